@@ -5,6 +5,7 @@
 #include "methods/parts/gathering/irradiance_cache.h"
 #include "tests/support/hard_cases.h"
 #include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
 
 #include <vector>
 
@@ -191,9 +192,8 @@ TEST(DegenerateCache, BoundsWithoutVolumeHoldRecords) {
 /// A furnace in the form of a cube of side 2. Its walls reflect a half and emit a
 /// half, so that the radiance is 1 everywhere.
 std::string furnace_cube(const std::string& view, const std::string& things) {
-    const std::string half = diffuse_bsdf(0.5) + area_emitter(0.5);
-    return scene_xml(camera(view, 8, 8) + shape("cube", "", "<boolean name='flip_normals' value='true'/>" + half) +
-                     things);
+    const std::string half = diffuse_bsdf(0.5) + area_light(0.5);
+    return scene_xml(camera(8, view, box_film(8)) + shape("cube", flag("flip_normals"), half) + things);
 }
 
 /// White triangles a millionth as wide as long, in a strip along the diagonal of the floor.
@@ -202,15 +202,13 @@ std::string needles(const TemporaryFolder& folder) {
     constexpr int count = 8;
     for (int i = 0; i <= count; ++i)
         for (const double end : {-0.99, 0.99})
-            obj += "v " + exact(end + (i - count / 2) * 1e-6) + " " + exact(end) + " 0\n";
+            obj += fmt::format("v {} {} 0\n", end + (i - count / 2) * 1e-6, end);
     for (int i = 0; i < count; ++i) {
         const int a = 2 * i + 1;
-        obj += "f " + std::to_string(a) + " " + std::to_string(a + 2) + " " + std::to_string(a + 1) + "\nf " +
-               std::to_string(a + 2) + " " + std::to_string(a + 3) + " " + std::to_string(a + 1) + "\n";
+        obj += fmt::format("f {0} {2} {1}\nf {2} {3} {1}\n", a, a + 1, a + 2, a + 3);
     }
     folder.write("needles.obj", obj);
-    return "<shape type='obj'><string name='filename' value='" + folder / "needles.obj" + "'/><bsdf type='twosided'>" +
-           diffuse_bsdf(1) + "</bsdf></shape>";
+    return shape("obj", text("filename", folder / "needles.obj"), diffuse(1));
 }
 
 // In the furnace's corner, walls are seen at distances down to 0. Half of the radiance 1 is emitted and a quarter is

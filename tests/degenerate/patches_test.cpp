@@ -28,9 +28,9 @@ double first_power(const PatchedScene& scene) {
     return power;
 }
 
-std::string lamp_aside() { return point_light("0.5 0.2 0.1", 1); }
+std::string lamp_aside() { return point_light(0.5, 0.2, 0.1, 1); }
 std::string closed_room(const std::string& shape, double rho) {
-    const std::string material = one_sided(exact(rho));
+    const std::string material = diffuse_bsdf(rho);
     return (shape == "cube" ? hollow_cube(material) : hollow_sphere(material)) + lamp_aside();
 }
 
@@ -84,7 +84,7 @@ TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
 // Without light the solution is black, even if walls reflect more than arrives, so that light would have no solution.
 TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
     for (const double rho : {0.0, 0.5, 1.0, 1.2}) {
-        const std::string material = one_sided(exact(std::min(rho, 1.0)));
+        const std::string material = diffuse_bsdf(std::min(rho, 1.0));
         PatchedScene scene(GetParam().shape == "cube" ? hollow_cube(material) : hollow_sphere(material), 1.3, 0,
                            rho <= 1);
         for (Colord& reflectance : scene.light.reflectance)
@@ -151,11 +151,9 @@ TEST(RadiositySeries, OfWhiteWallsGrowsByAsMuchWithEachReflection) {
 }
 
 std::string furnace_sphere(double rho, double emission, int max_depth) {
-    return scene_xml(
-        "<integrator type='path'><integer name='max_depth' value='" + std::to_string(max_depth) + "'/></integrator>" +
-        camera(Place{}.view({0, 0, -0.5}, {0.1, 0.2, 1}), 60, 8) +
-        sphere_at(Vec3d::Zero(), 1,
-                  "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(emission)));
+    return scene_xml(element("integrator", "path", integer("max_depth", max_depth)) +
+                     camera(60, to_world(look_at("0, 0, -0.5", "0.1, 0.2, 1")), box_film(8)) +
+                     sphere_at(Vec3d::Zero(), 1, flag("flip_normals") + diffuse_bsdf(rho) + area_light(emission)));
 }
 
 // L is the sum of max_depth terms of emission rho^i. The light of the lamp on patches is sampled: 16 samples
@@ -193,11 +191,10 @@ TEST(RadiosityLabel, RefusesLightThatIsShutInForEver) {
 
 /// A floor of albedo 0.5 and side 2 below `ceiling`, with a point light at z = 0.5.
 std::string floor_and(const std::string& ceiling) {
-    return "<shape type='rectangle'>" + one_sided("0.5") + "</shape>" + ceiling + point_light("0.1 0.2 0.5", 1);
+    return shape("rectangle", diffuse_bsdf(0.5)) + ceiling + point_light(0.1, 0.2, 0.5, 1);
 }
-std::string plate(double z, const std::string& material, const std::string& scale = "1") {
-    return "<shape type='rectangle'><transform name='to_world'><scale value='" + scale +
-           "'/><rotate x='1' angle='180'/><translate z='" + exact(z) + "'/></transform>" + material + "</shape>";
+std::string plate(double z, const std::string& material) {
+    return shape("rectangle", to_world(rotate('x', 180), translate(0, 0, z)), material);
 }
 
 Colord indirect_power(const PatchedScene& scene) {
@@ -208,10 +205,7 @@ Colord indirect_power(const PatchedScene& scene) {
 
 // A ray meets only the first of several surfaces in the same place, so the others neither reflect nor send light.
 TEST(DegeneratePatches, DuplicatesAddNoLight) {
-    const std::string
-        one = plate(1, one_sided("0.8")),
-        ball = "<shape type='sphere'><point name='center' x='0' y='0' z='0.8'/><float name='radius' value='0.1'/>" +
-               one_sided("0.7") + "</shape>";
+    const std::string one = plate(1, diffuse_bsdf(0.8)), ball = sphere_at({0, 0, 0.8}, 0.1, diffuse_bsdf(0.7));
     for (const std::string& thing : {one, ball}) {
         const PatchedScene alone(floor_and(thing), 0.71, 0, false);
         for (const std::string& again : {thing, thing + thing}) {
@@ -229,12 +223,10 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
 
 // A ray meets either of two surfaces in the same place by chance; both show the light of that place.
 TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
-    const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, one_sided("0.7"));
+    const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, diffuse_bsdf(0.7));
     const std::string rod =
-        "<shape type='cylinder'><point name='p0' value='-0.5,0,0.8'/><point name='p1' value='0.5,0,0.8'/>"
-        "<float name='radius' value='0.1'/>" +
-        one_sided("0.7") + "</shape>";
-    for (const std::string& thing : {plate(1, one_sided("0.8")), ball, rod}) {
+        shape("cylinder", point("p0", -0.5, 0, 0.8), point("p1", 0.5, 0, 0.8), radius(0.1), diffuse_bsdf(0.7));
+    for (const std::string& thing : {plate(1, diffuse_bsdf(0.8)), ball, rod}) {
         const PatchedScene scene(floor_and(thing + thing), 0.71, 0, false);
         RayQueries rays(*scene.loaded.scene);
         const Vec3 up = Vec3::UnitZ();
@@ -255,7 +247,7 @@ TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
 
 // A sphere whose radius is an ulp of its position has no patches.
 TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
-    const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, one_sided("0.5"));
+    const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, diffuse_bsdf(0.5));
     const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
     EXPECT_EQ(with_it.system.size(), alone.system.size());
 }
@@ -263,7 +255,7 @@ TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
 std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
                        const std::string& material) {
     folder.write(name, obj);
-    return "<shape type='obj'><string name='filename' value='" + folder / name + "'/>" + material + "</shape>";
+    return shape("obj", text("filename", folder / name), material);
 }
 
 // The ceiling is a mesh, first plain, then with triangles of no area: two equal
@@ -272,31 +264,26 @@ TEST(DegeneratePatches, TrianglesWithoutAreaAreNoPatches) {
     const TemporaryFolder folder;
     const std::string corners = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nv 0 0 1\n";
     const std::string faces = "f 1 4 3\nf 1 3 2\n", lines = "f 1 1 3\nf 2 2 2\nf 1 5 3\nf 4 4 2\n";
-    const PatchedScene plain(floor_and(mesh_shape(folder, "a.obj", corners + faces, one_sided("0.8"))), 0.71, 0, false);
-    const PatchedScene more(floor_and(mesh_shape(folder, "b.obj", corners + faces + lines, one_sided("0.8"))), 0.71, 0,
+    const PatchedScene plain(floor_and(mesh_shape(folder, "a.obj", corners + faces, diffuse_bsdf(0.8))), 0.71, 0,
+                             false);
+    const PatchedScene more(floor_and(mesh_shape(folder, "b.obj", corners + faces + lines, diffuse_bsdf(0.8))), 0.71, 0,
                             false);
     EXPECT_EQ(more.system.size(), plain.system.size());
     EXPECT_EQ(indirect_power(more)[0], indirect_power(plain)[0]);
     EXPECT_GT(indirect_power(plain)[0], 0);
 }
 
-struct ShapeOfPatches {
-    std::string name;
-    std::string more_of_the_room;  ///< the sixth wall of a cube of side 2, open below
-};
-
 std::string wall(double x, double y) {
-    return "<shape type='rectangle'><transform name='to_world'><rotate x='" + exact(-y) + "' y='" + exact(x) +
-           "' angle='-90'/><translate x='" + exact(x) + "' y='" + exact(y) + "'/></transform>" + one_sided("0.5") +
-           "</shape>";
+    const std::string turned = fmt::format("<rotate x='{}' y='{}' angle='-90'/>", -y, x);
+    return shape("rectangle", to_world(turned, translate(x, y, 0)), diffuse_bsdf(0.5));
 }
-std::string open_cube() { return wall(1, 0) + wall(-1, 0) + wall(0, 1) + wall(0, -1) + plate(1, one_sided("0.5")); }
+std::string open_cube() { return wall(1, 0) + wall(-1, 0) + wall(0, 1) + wall(0, -1) + plate(1, diffuse_bsdf(0.5)); }
 
 /// The floor z = -1 of a cube of side 2, in strips along x that end at these values of y.
 std::string strips(const std::vector<double>& ends) {
     std::string obj = "v -1 -1 -1\nv 1 -1 -1\n";
     for (const double y : ends)
-        obj += "v -1 " + exact(y) + " -1\nv 1 " + exact(y) + " -1\n";
+        obj += "v -1 " + fmt::to_string(y) + " -1\nv 1 " + fmt::to_string(y) + " -1\n";
     for (std::size_t i = 0; i < ends.size(); ++i) {
         const auto corner = [&](std::size_t k) { return std::to_string(2 * i + k); };
         obj += "f " + corner(1) + " " + corner(2) + " " + corner(4) + "\nf " + corner(1) + " " + corner(4) + " " +
@@ -322,7 +309,7 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     for (const auto& [name, obj] : floors) {
         SCOPED_TRACE(name);
         const PatchedScene scene(
-            open_cube() + mesh_shape(folder, name, obj, one_sided("0.5")) + point_light("0.2 0.1 0.3", 1), 1.01);
+            open_cube() + mesh_shape(folder, name, obj, diffuse_bsdf(0.5)) + point_light(0.2, 0.1, 0.3, 1), 1.01);
         double area = 0;
         for (const std::uint32_t leaf : scene.system.leaves())
             area += scene.system.area(leaf);
@@ -346,14 +333,9 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
 // A tile in the middle of the cube, a ten-thousandth as long, sees only the upper half of the walls. All that it
 // receives comes from patches 1e8 times as large, in factors that are right to 1e-4.
 TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
-    const PatchedScene scene(open_cube() +
-                                 "<shape type='rectangle'><transform name='to_world'><scale value='1e-4'/>"
-                                 "</transform>" +
-                                 one_sided("0.5") +
-                                 "</shape><shape type='rectangle'><transform name='to_world'><translate "
-                                 "z='-1'/></transform>" +
-                                 one_sided("0.5") + "</shape>" + point_light("0.2 0.1 0.3", 1),
-                             1.01, 0, false);
+    const std::string tile = shape("rectangle", to_world(scale(1e-4)), diffuse_bsdf(0.5)),
+                      floor = shape("rectangle", to_world(translate(0, 0, -1)), diffuse_bsdf(0.5));
+    const PatchedScene scene(open_cube() + tile + floor + point_light(0.2, 0.1, 0.3, 1), 1.01, 0, false);
     const PatchColors ones(scene.system.node_count(), Colord::Ones());
     const PatchColors E = scene.system.irradiance(ones);
     int tiny = 0;

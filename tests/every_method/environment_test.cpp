@@ -2,50 +2,33 @@
 
 #include "common/color/daylight.h"
 #include "tests/support/light_fixtures.h"
-#include "tests/support/scene_fixtures.h"
+#include "tests/support/methods_under_test.h"
 
 namespace gib::environment_test {
 namespace {
 
-using test::box_film;
-using test::envmap_xml;
-using test::image_of;
-using test::mean_of;
-using test::render;
-using test::scene_xml;
-using test::TemporaryFolder;
+using namespace test;
 
 constexpr double pi_d = std::numbers::pi;
 
-class EveryMethodUnderTheSky : public testing::TestWithParam<std::string> {
-protected:
-    const MethodDescription& method() const { return find_method(GetParam()); }
-    bool simulates_sky() const { return method().simulates.has(Effect::environment_light); }
-};
-
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethodUnderTheSky, testing::ValuesIn(names_of_comparable_methods()),
-                         [](const auto& name) { return name.param; });
+class EveryMethodUnderTheSky : public OfAMethod {};
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethodUnderTheSky, testing::ValuesIn(methods_that_sample_pixels()),
+                         name_of_method);
 
 /// Looks along +z from (0, 0, -4); the ball below fills the middle of the image.
-const std::string sensor =
-    "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'><translate "
-    "z='-4'/></transform>" +
-    box_film(32) + "</sensor>";
-const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+const std::string sensor = camera(40, to_world(translate(0, 0, -4)), box_film(32));
+const std::string constant_sky = constant_light(1);
 
-std::string ball(const std::string& bsdf) { return "<shape type='sphere'>" + bsdf + "</shape>"; }
+std::string ball(const std::string& material) { return shape("sphere", material); }
+LoadedScene seen(const std::string& things) { return test::Scene(sensor, things).load(); }
 
 // A convex diffuse body of albedo rho under a sky of radiance L has the radiance rho L,
 // whatever its shape. With rho = 1 it vanishes.
 TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
-    const std::string label = method().name + " max_depth=3";  // a convex ball does not light itself
     for (const std::string& sky :
          {constant_sky, envmap_xml(folder, image_of(5, 4, [](int, int) { return Color(Color::Ones()); }))}) {
-        const auto scene = test::scene_of(scene_xml(sensor + sky + ball(test::diffuse(1))));
-        const auto image = render(scene, label, 64);
+        const auto image = rendered(seen(sky + ball(diffuse(1))), 64, "max_depth=3");  // a ball does not light itself
         EXPECT_NEAR(mean_of(image.total()).mean(), 1.0, 0.006);
         if (image[Component::caustic]) {
             EXPECT_EQ(mean_of(*image[Component::caustic]).sum(), 0.0);
@@ -61,82 +44,66 @@ TEST_P(EveryMethodUnderTheSky, AConvexDiffuseBodyScattersTheSkysRadiance) {
 
 // Lossless bodies under a sky of radiance 1 all have radiance 1, also where one is seen in or through another.
 TEST_P(EveryMethodUnderTheSky, LosslessBodiesVanish) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!simulates_sky() || !method().simulates.has(Effect::caustics)) GTEST_SKIP();
-    const std::string glass =
-        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
-    const std::string floor =
-        "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/><scale value='3'/><translate "
-        "y='-1.05'/></transform>" +
-        test::diffuse(1) + "</shape>";
-    const std::string mirror =
-        "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='-60'/><translate x='2' "
-        "z='1'/></transform>"
-        "<bsdf type='twosided'><bsdf type='conductor'/></bsdf></shape>";
-    const auto scene = test::scene_of(scene_xml(sensor + constant_sky + ball(glass) + floor + mirror));
-    const auto image = render(scene, method().name, method().unbiased ? 128 : 8);
+    if (!method().simulates(Effect::caustics)) GTEST_SKIP();
+    const bool unbiased = method().description->unbiased;
+    const auto image = rendered(
+        seen(constant_sky + ball(bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1))) +
+             shape("rectangle", to_world(rotate('x', -90), scale(3), translate(0, -1.05, 0)), diffuse(1)) +
+             shape("rectangle", to_world(rotate('y', -60), translate(2, 0, 1)), bsdf("twosided", bsdf("conductor")))),
+        unbiased ? 128 : 8);
     // Estimates from photon maps are blurred over edges, but right in the mean.
-    EXPECT_NEAR(mean_of(image.total()).mean(), 1.0, method().unbiased ? 0.006 : 0.02);
+    EXPECT_NEAR(mean_of(image.total()).mean(), 1.0, unbiased ? 0.006 : 0.02);
     EXPECT_GT(mean_of(*image[Component::caustic]).mean(), 0.01);
 }
 
 // Light that comes from the sky by a specular chain alone is emission: E S* L.
 TEST_P(EveryMethodUnderTheSky, TheSkyInAMirrorIsEmission) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!simulates_sky() || !method().simulates.has(Effect::specular_reflection)) GTEST_SKIP();
-    const auto scene = test::scene_of(scene_xml(sensor + constant_sky + ball("<bsdf type='conductor'/>")));
-    const auto image = render(scene, method().name, 4);
+    if (!method().simulates(Effect::specular_reflection)) GTEST_SKIP();
+    const auto scene = seen(constant_sky + ball(bsdf("conductor")));
+    const auto image = rendered(scene, 4);
     for (std::size_t i = 0; i < image.total().pixels(); ++i)
         EXPECT_NEAR(image[Component::emission]->at(i)[0], 1.f, 1e-4f);
-    EXPECT_EQ(mean_of(*render(scene, method().name + " max_depth=1", 4)[Component::emission]).minCoeff() < 1.0, true)
+    EXPECT_LT(mean_of(*rendered(scene, 4, "max_depth=1")[Component::emission]).minCoeff(), 1.0)
         << "the mirror's edge is the second one";
 }
 
 /// A floor of reflectance 0.5 at the origin, seen from above, with `light` over it.
 LoadedScene floor_under(const std::string& light) {
-    return test::scene_of(
-        scene_xml("<sensor type='orthographic'><transform name='to_world'><scale value='0.001'/><lookat origin='0,0,1' "
-                  "target='0,0,0' up='0,1,0'/></transform>" +
-                  box_film(8) + "</sensor><shape type='rectangle'>" + test::diffuse(0.5) + "</shape>" + light));
+    return test::Scene(
+               element("sensor", "orthographic", to_world(scale(0.001), look_at("0, 0, 1", "0, 0, 0")), box_film(8)),
+               shape("rectangle", diffuse(0.5)), light)
+        .load();
 }
-
-double floor_radiance(const MethodDescription& method, const std::string& light, std::uint32_t passes) {
-    return mean_of(*render(floor_under(light), method.name + " max_depth=2", passes)[Component::direct])[1];
+double floor_radiance(const MethodUnderTest& method, const std::string& light, std::uint32_t passes) {
+    return mean_of(*render(floor_under(light), method.label + " max_depth=2", passes)[Component::direct])[1];
 }
+std::string sun_along(double x, double y, double z) { return emitter("directional", vector("direction", x, y, z)); }
 
 TEST_P(EveryMethodUnderTheSky, DirectLightFollowsTheClosedForms) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
     // E cos(theta) rho / pi with cos = 0.8.
-    EXPECT_NEAR(floor_radiance(method(),
-                               "<emitter type='directional'><vector name='direction' x='3' y='0' z='-4'/><rgb "
-                               "name='irradiance' value='2'/></emitter>",
-                               1),
-                2 * 0.8 * 0.5 / pi_d, 1e-5);
+    EXPECT_NEAR(
+        floor_radiance(method(), emitter("directional", vector("direction", 3, 0, -4), rgb("irradiance", 2)), 1),
+        2 * 0.8 * 0.5 / pi_d, 1e-5);
     // A spot at height 2 looks 14 degrees past the origin: the fall-off from 8 to 20 degrees has reached a half.
-    const std::string aim = "<rotate x='1' angle='14'/><rotate x='1' angle='180'/><translate z='2'/>";
     EXPECT_NEAR(floor_radiance(method(),
-                               "<emitter type='spot'><rgb name='intensity' value='3'/><float name='cutoff_angle' "
-                               "value='20'/><float name='beam_width' value='8'/><transform name='to_world'>" +
-                                   aim + "</transform></emitter>",
+                               emitter("spot", rgb("intensity", 3), number("cutoff_angle", 20), number("beam_width", 8),
+                                       to_world(rotate('x', 14), rotate('x', 180), translate(0, 0, 2))),
                                1),
                 3 * 0.5 / 4 * 0.5 / pi_d, 1e-4);
-    EXPECT_EQ(floor_radiance(method(), "<emitter type='directional'/>", 1), 0.0) << "from below, on a two-sided floor";
+    EXPECT_EQ(floor_radiance(method(), emitter("directional"), 1), 0.0) << "from below, on a two-sided floor";
 }
 
 // The map has a sun and a black half. Light sampling and bsdf sampling together give
 // the integral of L cos over the hemisphere.
 TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!simulates_sky()) GTEST_SKIP();
     const TemporaryFolder folder;
     const Image image = image_of(16, 9, [](int x, int y) {
-        return x < 6 ? Color(Color::Zero()) : Color((x == 9 && y == 3 ? 200.f : 1.f) * test::noise(x, y));
+        return x < 6 ? Color(Color::Zero()) : Color((x == 9 && y == 3 ? 200.f : 1.f) * noise(x, y));
     });
     const std::string sky =
         envmap_xml(folder, image, "<transform name='to_world'><rotate x='1' angle='70'/></transform>");
     const auto scene = floor_under(sky);
-    const double E = test::sphere_integral(90, 180, 4, [&](const Vec3& w) {
+    const double E = sphere_integral(90, 180, 4, [&](const Vec3& w) {
         return static_cast<double>(scene.scene->environment_radiance(w)[1] * std::max(w.z(), 0.f));
     });
     // 64 pixels x 1024 samples, whose deviation is below 3 times their mean: standard error 1.2 %.
@@ -146,12 +113,10 @@ TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
 // The floor's irradiance is the integral of Preetham's formula over the sky, times the cosine, and that of the sun's
 // disc. The sun's part is exact at its centre, since its radius of 0.27 degrees changes the mean cosine by 1e-5.
 TEST_P(EveryMethodUnderTheSky, DaylightsIrradianceIsThatOfItsFormula) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!simulates_sky()) GTEST_SKIP();
     const Vec3 sun = Vec3(1, 2, 2).normalized();  // the cosine to the zenith is 2 / 3
     const double sun_theta = std::acos(2.0 / 3);
     const ClearSky sky(3, sun_theta);
-    const double E_sky = test::sphere_integral(180, 360, 2, [&](const Vec3& w) {
+    const double E_sky = sphere_integral(180, 360, 2, [&](const Vec3& w) {
         if (!(w.z() > 0)) return 0.0;
         const double gamma = std::atan2(static_cast<double>(w.cross(sun).norm()), static_cast<double>(w.dot(sun)));
         return sky.radiance(static_cast<double>(w.z()), gamma)[1] * static_cast<double>(w.z());
@@ -171,18 +136,33 @@ TEST_P(EveryMethodUnderTheSky, DaylightsIrradianceIsThatOfItsFormula) {
 
 // A plate hides lights at infinity from the floor, as it hides near ones.
 TEST_P(EveryMethodUnderTheSky, PlatesHideLightsAtInfinity) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
-    const std::string plate =
-        "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><translate z='2'/></transform>" +
-        test::diffuse(0) + "</shape>";
-    const std::string sun = "<emitter type='directional'><vector name='direction' x='0' y='0' z='-1'/></emitter>";
-    EXPECT_EQ(floor_radiance(method(), plate + sun, 4), 0.0);
-    const std::string beside =
-        "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><translate x='2' z='2'/>"
-        "</transform>" +
-        test::diffuse(0) + "</shape>";
-    EXPECT_NEAR(floor_radiance(method(), beside + sun, 4), 0.5 / pi_d, 1e-5);
+    const auto plate_at = [](double x) {
+        return shape("rectangle", to_world(scale(0.5), translate(x, 0, 2)), diffuse(0));
+    };
+    const std::string sun = sun_along(0, 0, -1);
+    EXPECT_EQ(floor_radiance(method(), plate_at(0) + sun, 4), 0.0);
+    EXPECT_NEAR(floor_radiance(method(), plate_at(2) + sun, 4), 0.5 / pi_d, 1e-5);
+}
+
+// No light comes from infinity through a medium without a boundary, in the channels that it absorbs.
+class EveryMethodInFog : public OfAMethod {};
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethodInFog, testing::ValuesIn(methods_under_test(Work::small)),
+                         name_of_method);
+
+TEST_P(EveryMethodInFog, SeesNoLightAtInfinityIfItHasNoBoundary) {
+    if (!method().simulates(Effect::participating_media)) GTEST_SKIP();
+    const std::string fog = "<medium type='homogeneous' id='fog'>" + rgb("sigma_a", "0.5, 0, 0.5") + "</medium>",
+                      wall_and_floor = shape("rectangle", to_world(rotate('y', 180))) +
+                                       shape("rectangle", to_world(rotate('x', -90), translate(0, -1, -1)));
+    for (const std::string& light : {constant_sky, sun_along(0.3, -0.5, 1)}) {
+        const auto scene = test::Scene(fog, camera(40, to_world(translate(0, 0, -4)), reference("fog"), box_film(8)),
+                                       wall_and_floor, light)
+                               .load();
+        const Colord found = mean_of(rendered(scene, 4).total());
+        EXPECT_EQ(found[0], 0);
+        EXPECT_GT(found[1], 0.05);
+        EXPECT_EQ(found[2], 0);
+    }
 }
 
 }  // namespace

@@ -1,31 +1,22 @@
 // Laws for every method and every material; the registry is walked, no method is named.
 #include "common/sampling/sampler.h"
-#include "tests/support/scene_fixtures.h"
+#include "tests/support/methods_under_test.h"
+#include "tests/support/moments.h"
 
-#include <fmt/format.h>
+#include <numbers>
 
 namespace gib::materials_test {
 namespace {
 
-using test::mean_of;
-using test::render;
+using namespace test;
 
 struct NamedMaterial {
     std::string name, xml;
 };
 void PrintTo(const NamedMaterial& material, std::ostream* out) { *out << material.name; }
 
-std::string rgb(const std::string& name, const std::string& value) {
-    return "<rgb name='" + name + "' value='" + value + "'/>";
-}
-std::string number(const std::string& name, double value) {
-    return "<float name='" + name + "' value='" + std::to_string(value) + "'/>";
-}
-std::string bsdf(const std::string& type, const std::string& inside = "") {
-    return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
-}
 std::string distribution(const std::string& type, double alpha) {
-    return "<string name='distribution' value='" + type + "'/>" + number("alpha", alpha);
+    return text("distribution", type) + number("alpha", alpha);
 }
 
 std::vector<NamedMaterial> materials() {
@@ -64,21 +55,14 @@ std::vector<NamedMaterial> materials() {
     };
 }
 
-std::string boolean(const std::string& name, bool value) {
-    return "<boolean name='" + name + "' value='" + (value ? "true" : "false") + "'/>";
-}
-
 /// A plate of the material in a black box whose walls emit radiance 1, seen at an angle from its front.
 LoadedScene plate_in_furnace(const std::string& material, double degrees) {
-    return test::scene_of(test::scene_xml(
-        "<sensor type='orthographic'><transform name='to_world'><scale value='0.02'/>"
-        "<translate z='-1'/><rotate y='1' angle='180'/>"
-        "<rotate y='1' angle='" +
-        std::to_string(degrees) + "'/></transform>" + test::box_film(16) + "</sensor><shape type='rectangle'>" +
-        material +
-        "</shape><shape type='cube'><boolean name='flip_normals' value='true'/><transform name='to_world'><scale "
-        "value='4'/></transform><bsdf type='diffuse'>" +
-        rgb("reflectance", "0") + "</bsdf><emitter type='area'>" + rgb("radiance", "1") + "</emitter></shape>"));
+    return test::Scene(element("sensor", "orthographic",
+                               to_world(scale(0.02), translate(0, 0, -1), rotate('y', 180), rotate('y', degrees)),
+                               box_film(16)),
+                       shape("rectangle", material),
+                       shape("cube", flag("flip_normals"), to_world(scale(4)), one_sided("0"), area_light(1)))
+        .load();
 }
 
 /// The share of uniform light that the front of a material sends towards wo, including light that passes
@@ -98,27 +82,24 @@ Colord albedo(const Material& material, const Vec3& wo) {
     return at.straight_on_local(wo).cast<double>() + (1 - static_cast<double>(at.pass_through())) * scattered;
 }
 
-class MaskedLight : public testing::TestWithParam<std::string> {};
-
-class EveryMaterial : public testing::TestWithParam<std::tuple<std::string, NamedMaterial>> {};
+class EveryMaterial : public testing::TestWithParam<std::tuple<MethodUnderTest, NamedMaterial>> {};
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryMaterial,
-                         testing::Combine(testing::ValuesIn(names_of_comparable_methods()),
+                         testing::Combine(testing::ValuesIn(methods_that_sample_pixels()),
                                           testing::ValuesIn(materials())),
-                         [](const auto& test) { return std::get<0>(test.param) + "_" + std::get<1>(test.param).name; });
+                         [](const auto& test) {
+                             return std::get<0>(test.param).name + "_" + std::get<1>(test.param).name;
+                         });
 
 TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
     const auto& [method, material] = GetParam();
-    if (!test::samples_pixels(find_method(method))) GTEST_SKIP() << "too noisy";
     for (double degrees : {0.0, 45.0, 75.0}) {
         const auto scene = plate_in_furnace(material.xml, degrees);
-        const Plan plan = ConfiguredMethod(MethodLabel{method, {}}).create({})->plan(*scene.scene);
-        if (!plan.missing.empty() || !plan.unresolved.empty())
-            GTEST_SKIP() << "the method leaves out a part of this material's light";
+        if (!method.resolves(*scene.scene)) GTEST_SKIP() << "the method leaves out a part of this material's light";
         const double angle = degrees * std::numbers::pi / 180;
         const Vec3 wo(static_cast<float>(std::sin(angle)), 0.f, static_cast<float>(std::cos(angle)));
         const Colord expected = albedo(scene.scene->material_of_shape(0), wo);
-        const Colord found = mean_of(render(scene, method, 64).total());
+        const Colord found = mean_of(render(scene, method.label, 64).total());
         for (int c = 0; c < 3; ++c) {
             EXPECT_NEAR(found[c], expected[c], 0.01) << degrees << " channel " << c;
             EXPECT_LE(found[c], 1.005) << degrees;
@@ -126,64 +107,62 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
     }
 }
 
+class MaskedLight : public OfAMethod {};
+INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(methods_that_sample_pixels()), name_of_method);
+
 // The sun is above two black masks, a floor below them and the camera between masks and floor. A shadow ray is dimmed
 // by both masks. Nothing is left to chance, so the tolerance is rounding alone.
 TEST_P(MaskedLight, IsWhatTheMasksLetThrough) {
-    if (!test::samples_pixels(find_method(GetParam()))) GTEST_SKIP() << "too noisy";
     const auto sheet = [](double z, double opacity) {
-        return fmt::format(
-                   "<shape type='rectangle'><transform name='to_world'><scale value='9'/><translate "
-                   "z='{}'/></transform>",
-                   z) +
-               bsdf("mask", number("opacity", opacity) + bsdf("twosided", bsdf("diffuse", rgb("reflectance", "0")))) +
-               "</shape>";
+        return shape("rectangle", to_world(scale(9), translate(0, 0, z)),
+                     bsdf("mask", number("opacity", opacity), diffuse(0)));
     };
-    const auto scene = test::scene_of(test::scene_xml(
-        "<sensor type='perspective'><float name='fov' value='20'/><transform name='to_world'><rotate y='1' "
-        "angle='180'/><translate z='1'/></transform>" +
-        test::box_film(4) +
-        "</sensor><emitter type='directional'><vector name='direction' value='0, 0, -1'/><rgb name='irradiance' "
-        "value='2'/></emitter><shape type='rectangle'>" +
-        bsdf("diffuse", rgb("reflectance", "0.5")) + "</shape>" + sheet(2, 0.4) + sheet(3, 0.7)));
+    const auto scene = test::Scene(camera(20, to_world(rotate('y', 180), translate(0, 0, 1)), box_film(4)),
+                                   emitter("directional", vector("direction", 0, 0, -1), rgb("irradiance", 2)),
+                                   shape("rectangle", one_sided("0.5")), sheet(2, 0.4), sheet(3, 0.7))
+                           .load();
     const double expected = 0.5 * 2 / std::numbers::pi * (1 - 0.4) * (1 - 0.7);
-    EXPECT_NEAR(mean_of(render(scene, GetParam(), 1).total())[0], expected, 1e-5);
+    EXPECT_NEAR(mean_of(rendered(scene, 1).total())[0], expected, 1e-5);
 }
-INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(names_of_comparable_methods()),
-                         [](const auto& name) { return name.param; });
 
 /// Light on a grey floor, seen from above, that comes by way of a wall. The wall's normals point steeply up, so from
 /// the floor those of its upper part are seen from behind. A spot light grazes the wall from the side.
-double light_by_way_of_a_wall(const std::string& method, std::uint32_t passes, int seeds, bool flip, bool shadow) {
-    const std::string wall =
-        bsdf("normalmap", rgb("normalmap", "0.933 0.5 0.75") + boolean("flip_invalid_normals", flip) +
-                              boolean("use_shadowing_function", shadow) + bsdf("diffuse", rgb("reflectance", "0.8")));
-    const auto scene = test::scene_of(test::scene_xml(
-        "<sensor type='orthographic'><transform name='to_world'><scale value='0.1'/><rotate y='1' angle='180'/>"
-        "<translate z='3'/></transform>" +
-        test::box_film(4) +
-        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>" +
-        bsdf("diffuse", rgb("reflectance", "0.5")) +
-        "</shape><shape type='rectangle'><transform name='to_world'><rotate y='1' angle='-90'/>"
-        "<translate x='1' z='1.1'/></transform>" +
-        wall +
-        "</shape><emitter type='spot'><float name='cutoff_angle' value='30'/><transform name='to_world'><lookat "
-        "origin='0.3 -2 1' target='1 0 1' up='0 0 1'/></transform></emitter>"));
-    double sum = 0;
-    for (int seed = 1; seed <= seeds; ++seed)
-        sum += mean_of(render(scene, method, passes, static_cast<std::uint64_t>(seed))[Component::indirect].value())[0];
-    return sum / seeds;
+LoadedScene light_by_way_of_a_wall(bool flip, bool shadow) {
+    const std::string wall = bsdf("normalmap", rgb("normalmap", "0.933 0.5 0.75"), flag("flip_invalid_normals", flip),
+                                  flag("use_shadowing_function", shadow), bsdf("diffuse", rgb("reflectance", 0.8)));
+    return test::Scene(element("sensor", "orthographic", to_world(scale(0.1), rotate('y', 180), translate(0, 0, 3)),
+                               box_film(4)),
+                       shape("rectangle", to_world(scale(3)), one_sided("0.5")),
+                       shape("rectangle", to_world(rotate('y', -90), translate(1, 0, 1.1)), wall),
+                       emitter("spot", number("cutoff_angle", 30), to_world(look_at("0.3 -2 1", "1 0 1", "0 0 1"))))
+        .load();
 }
 
+/// The mean of the indirect light over so many seeds that its standard error is 2 %, but at most over 256.
+Moments indirect_light(const LoadedScene& scene, const std::string& label, std::uint32_t passes) {
+    Moments moments;
+    for (std::uint64_t seed = 1; seed <= 256; ++seed) {
+        moments.add(mean_of(*render(scene, label, passes, seed)[Component::indirect])[0]);
+        if (seed >= 8 && moments.standard_error() < 0.02 * moments.mean()) break;
+    }
+    return moments;
+}
+
+class PerturbedNormals : public OfAMethod {};
+INSTANTIATE_TEST_SUITE_P(Registry, PerturbedNormals, testing::ValuesIn(methods_under_test(Work::small)),
+                         name_of_method);
+
 // The shadowing belongs to the light's direction and the turned normal to the eye's, from whichever end a path is
-// followed. Each of them changes this light by 30 % or more. The tolerance allows for the standard error of eight
-// photon maps, 4 to 6 %.
-TEST(PerturbedNormals, LookAlikeToPathsAndPhotons) {
+// followed. Each of them changes this light by 30 % or more.
+TEST_P(PerturbedNormals, LookAlikeFromBothEnds) {
+    if (!method().simulates(Effect::bump_maps)) GTEST_SKIP();
     double before = 0;
     for (bool both : {false, true}) {
-        const double path = light_by_way_of_a_wall("path", 512, 1, both, both);
-        const double photons =
-            light_by_way_of_a_wall("photon_mapper photons=100000 caustic_photons=0 k=50", 1, 8, both, both);
-        EXPECT_NEAR(photons, path, 0.15 * path) << both;
+        const auto scene = light_by_way_of_a_wall(both, both);
+        const double path = indirect_light(scene, "path", 256).mean();
+        const Moments found = indirect_light(scene, method().label, 64);
+        EXPECT_LT(found.standard_error(), 0.03 * path) << both;
+        EXPECT_NEAR(found.mean(), path, 0.15 * path) << both;
         EXPECT_GT(path, 1.5 * before) << "the case tells them apart";
         before = path;
     }

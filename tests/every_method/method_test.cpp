@@ -1,31 +1,27 @@
 // Laws for every method; the registry is walked, no method is named.
-#include "tests/support/scene_fixtures.h"
-
-#include <array>
+#include "tests/support/methods_under_test.h"
+#include "tests/support/polygon_light.h"
 
 namespace gib::method_test {
 namespace {
 
-using test::mean_of;
-using test::render;
+using namespace test;
 
-class EveryMethod : public testing::TestWithParam<std::string> {
+class EveryMethod : public OfAMethod {
 protected:
-    const MethodDescription& method() const { return find_method(GetParam()); }
+    bool is_unbiased() const { return method().description->unbiased; }
 };
-
-INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(names_of_comparable_methods()),
-                         [](const auto& name) { return name.param; });
+INSTANTIATE_TEST_SUITE_P(Registry, EveryMethod, testing::ValuesIn(methods_under_test()), name_of_method);
 
 std::string fixed(double x) { return std::to_string(x); }
 
 // In a closed box of albedo rho whose walls emit 1 - rho, the radiance is 1 at every point and in every direction.
-void expect_furnace(const std::string& scene_file, double rho, const MethodDescription& method) {
-    const auto scene = test::shipped_scene(scene_file, {{{"rho", fixed(rho)}, {"emission", fixed(1 - rho)}}, {}});
-    const std::uint32_t passes = method.unbiased ? 512 : 64;
-    const Image image = render(scene, method.name, passes).total();
+void expect_furnace(const std::string& scene_file, double rho, const MethodUnderTest& method) {
+    const auto scene = shipped_scene(scene_file, {{{"rho", fixed(rho)}, {"emission", fixed(1 - rho)}}, {}});
+    const bool unbiased = method.description->unbiased;
+    const Image image = render(scene, method.label, unbiased ? 512 : 64).total();
     EXPECT_NEAR(mean_of(image).mean(), 1.0, 0.005) << scene_file << ' ' << rho;
-    if (!method.unbiased) return;
+    if (!unbiased) return;
     // 256 pixels of 512 paths each: a block's standard error is below 0.25 %.
     const int blocks = image.width / 16;
     for (int b = 0; b < blocks * blocks; ++b) {
@@ -45,106 +41,65 @@ TEST_P(EveryMethod, FurnaceHasTheAnalyticRadiance) {
     }
 }
 
-/// Irradiance at `p` with the normal n from a polygon of radiance 1 by Lambert's formula, E = 1/2 sum of angle_i n .
-/// gamma_i. Source: Arvo 1994, "The Irradiance Jacobian for Partially Occluded Polyhedral Sources", eq. 3.
-double lambert_irradiance(const Vec3d& p, const Vec3d& n, const std::array<Vec3d, 4>& polygon) {
-    double E = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        const Vec3d a = (polygon[i] - p).normalized(), b = (polygon[(i + 1) % 4] - p).normalized();
-        E += 0.5 * std::acos(a.dot(b)) * n.dot(a.cross(b).normalized());
-    }
-    return std::abs(E);
+/// An orthographic camera that looks down from height z and sees a square of side 2 `extent` around (x, y).
+std::string view_down(double x, double y, double z, double extent, int size) {
+    return element("sensor", "orthographic",
+                   to_world(scale(extent), look_at(fmt::format("{}, {}, {}", x, y, z), fmt::format("{}, {}, 0", x, y))),
+                   box_film(size));
 }
+/// A square in z = 0 from -size to size.
+std::string square(double size) { return shape("rectangle", to_world(scale(size)), diffuse(0.5)); }
+const std::string black = one_sided("0");
 
 TEST_P(EveryMethod, DirectLightFromAPolygonFollowsLambertsFormula) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
     // A 2 x 1 light at height 2 above a floor of reflectance 0.5, radiance 3, facing down.
-    const std::array<Vec3d, 4> light = {Vec3d(-1, -0.5, 2), Vec3d(1, -0.5, 2), Vec3d(1, 0.5, 2), Vec3d(-1, 0.5, 2)};
-    const std::array<Vec2d, 5> positions = {Vec2d(0, 0), Vec2d(1, 0.5), Vec2d(-2, 0.3), Vec2d(0.5, -3), Vec2d(4, 4)};
-    for (const Vec2d& at : positions) {
-        const std::string x = fixed(at.x()), y = fixed(at.y());
-        // An orthographic camera that sees a square of side 2e-3 around the position, from below the light.
-        const auto scene = test::scene_of(test::scene_xml(
-            "<sensor type='orthographic'><transform name='to_world'><scale value='0.001'/><lookat origin='" + x + "," +
-            y + ",1' target='" + x + "," + y + ",0' up='0,1,0'/></transform>" + test::box_film(16) +
-            "</sensor><shape type='rectangle'><transform name='to_world'><scale value='10'/></transform>" +
-            test::diffuse(0.5) +
-            "</shape><shape type='rectangle'><transform name='to_world'><scale x='1' y='0.5' z='1'/>"
-            "<rotate x='1' angle='180'/><translate z='2'/></transform><bsdf type='diffuse'><rgb name='reflectance' "
-            "value='0'/></bsdf><emitter type='area'><rgb name='radiance' value='3'/></emitter></shape>"));
+    const std::vector<Vec3d> light = {Vec3d(-1, -0.5, 2), Vec3d(1, -0.5, 2), Vec3d(1, 0.5, 2), Vec3d(-1, 0.5, 2)};
+    for (const Vec2d& at : {Vec2d(0, 0), Vec2d(1, 0.5), Vec2d(-2, 0.3), Vec2d(0.5, -3), Vec2d(4, 4)}) {
+        const auto scene =
+            test::Scene(view_down(at.x(), at.y(), 1, 0.001, 16), square(10),
+                        shape("rectangle", to_world(scale(1, 0.5, 1), rotate('x', 180), translate(0, 0, 2)), black,
+                              area_light(3)))
+                .load();
         const double expected =
             3 * 0.5 / std::numbers::pi * lambert_irradiance(Vec3d(at.x(), at.y(), 0), Vec3d::UnitZ(), light);
         // 256 pixels x 2048 samples; a sample's relative deviation is at most about 0.5 here: standard error 0.07 %.
-        const auto image = render(scene, method().name, 2048);
+        const auto image = rendered(scene, 2048);
         ASSERT_TRUE(image[Component::direct]);
-        EXPECT_NEAR(mean_of(*image[Component::direct])[1] / expected, 1.0, 0.002) << x << ' ' << y;
+        EXPECT_NEAR(mean_of(*image[Component::direct])[1] / expected, 1.0, 0.002) << at.transpose();
     }
 }
 
 /// The radiance, at the origin, of a floor of reflectance 0.5 in z = 0 that is `size` wide; `light` describes a light
 /// at the origin's zenith.
-double floor_radiance(const MethodDescription& method, const std::string& light, double size, std::uint32_t passes) {
-    const std::string view = std::to_string(1e-3 * size);
-    const auto scene = test::scene_of(test::scene_xml(
-        "<sensor type='orthographic'><transform name='to_world'><scale value='" + view + "'/><lookat origin='0,0," +
-        view + "' target='0,0,0' up='0,1,0'/></transform>" + test::box_film(8) +
-        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='" + std::to_string(size) +
-        "'/></transform>" + test::diffuse(0.5) + "</shape>" + light));
-    return mean_of(*render(scene, method.name + " max_depth=2", passes)[Component::direct])[1];
+double floor_radiance(const MethodUnderTest& method, const std::string& light, double size, std::uint32_t passes) {
+    const auto scene = test::Scene(view_down(0, 0, 1e-3 * size, 1e-3 * size, 8), square(size), light).load();
+    return mean_of(*render(scene, method.label + " max_depth=2", passes)[Component::direct])[1];
 }
 
 // A lamp whose own rounding errors are far below those of the ray that reaches it must not shadow itself. A second,
 // distant plate lowers the floor, so that the lamp lies in the middle of the recentred scene.
 TEST_P(EveryMethod, SmallLampsInTheMiddleOfALargeSceneShine) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
-    const std::string ceiling =
-        "<shape type='rectangle'><transform name='to_world'><scale value='10'/><translate z='20'/>"
-        "</transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf></shape>";
-    const std::string black = "<bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf>";
-    const std::string glow = "<emitter type='area'><rgb name='radiance' value='1e6'/></emitter></shape>";
-    const std::string down = "<rotate x='1' angle='180'/><translate z='10'/></transform>";
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
+    const std::string ceiling = shape("rectangle", to_world(scale(10), translate(0, 0, 20)), black),
+                      glow = black + area_light(1e6);
     for (double r : {1e-4, 1e-2, 0.1}) {
-        const std::string size = std::to_string(r);
         const double L = 1e6 * 0.5;  // radiance of the lamp times the floor's reflectance
-        // Form factors straight below at height 10: sphere (r/h)^2, disk
-        // r^2 / (r^2 + h^2), small square 4 r^2 / (pi h^2).
-        EXPECT_NEAR(floor_radiance(method(),
-                                   ceiling +
-                                       "<shape type='sphere'><point name='center' x='0' y='0' z='10'/>"
-                                       "<float name='radius' value='" +
-                                       size + "'/>" + black + glow,
-                                   10, 64) /
-                        (L * r * r / 100),
-                    1.0, 0.002)
-            << "sphere " << r;
-        EXPECT_NEAR(floor_radiance(method(),
-                                   ceiling + "<shape type='disk'><transform name='to_world'><scale value='" + size +
-                                       "'/>" + down + black + glow,
-                                   10, 64) /
-                        (L * r * r / (r * r + 100)),
-                    1.0, 0.002)
-            << "disk " << r;
-        EXPECT_NEAR(floor_radiance(method(),
-                                   ceiling + "<shape type='rectangle'><transform name='to_world'><scale value='" +
-                                       size + "'/>" + down + black + glow,
-                                   10, 64) /
-                        (L * 4 * r * r / (std::numbers::pi * 100)),
-                    1.0, 0.002)
-            << "rectangle " << r;
+        const std::string down = to_world(scale(r), rotate('x', 180), translate(0, 0, 10));
+        // Form factors straight below at height 10: sphere (r/h)^2, disk r^2 / (r^2 + h^2), small square 4 r^2 / (pi h^2).
+        for (const auto& [lamp, form_factor] : std::vector<std::pair<std::string, double>>{
+                 {shape("sphere", center(0, 0, 10), radius(r), glow), r * r / 100},
+                 {shape("disk", down, glow), r * r / (r * r + 100)},
+                 {shape("rectangle", down, glow), 4 * r * r / (std::numbers::pi * 100)}})
+            EXPECT_NEAR(floor_radiance(method(), ceiling + lamp, 10, 64) / (L * form_factor), 1.0, 0.002) << lamp;
     }
 }
 
 // A bright lamp that faces away takes most of the light samples, but not all of them.
 TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
     const std::string lights =
-        "<emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' value='1'/></emitter>"
-        "<shape type='rectangle'><transform name='to_world'><scale value='0.1'/><translate z='3'/></transform>"
-        "<bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf>"
-        "<emitter type='area'><rgb name='radiance' value='1e9'/></emitter></shape>";
+        point_light(0, 0, 2, 1) + shape("rectangle", to_world(scale(0.1), translate(0, 0, 3)), black, area_light(1e9));
     // E = I / h^2, radiance 0.5 E / pi; one sample in 20 finds the point: relative error of 64 x 4096 samples 0.9 %.
     EXPECT_NEAR(floor_radiance(method(), lights, 1, 4096) / (0.5 / std::numbers::pi / 4), 1.0, 0.027);
 }
@@ -152,27 +107,20 @@ TEST_P(EveryMethod, ADimLightBesideABrightOneIsNotForgotten) {
 // A plate just above a wide floor hides the lamp. Rays from the floor must not start beyond the plate, whatever the
 // size of the floor's triangles.
 TEST_P(EveryMethod, NoLightLeaksUnderAPlateOnAVastFloor) {
-    if (!method().simulates.has(Effect::direct_light)) GTEST_SKIP();
-    const std::string plate_and_lamp =
-        "<shape type='rectangle'><transform name='to_world'><translate z='0.05'/></transform>" + test::diffuse(0.5) +
-        "</shape><emitter type='point'><point name='position' x='0' y='0' z='2'/><rgb name='intensity' "
-        "value='1'/></emitter>";
-    for (const char* size : {"10", "10000", "1000000"}) {
-        const auto scene = test::scene_of(test::scene_xml(
-            "<sensor type='orthographic'><transform name='to_world'><scale value='0.01'/><lookat origin='0,0,0.04' "
-            "target='0,0,0' up='0,1,0'/></transform>" +
-            test::box_film(8) + "</sensor><shape type='rectangle'><transform name='to_world'><scale value='" + size +
-            "'/></transform>" + test::diffuse(0.5) + "</shape>" + plate_and_lamp));
-        EXPECT_EQ(mean_of(*render(scene, method().name + " max_depth=2", 4)[Component::direct]).sum(), 0.0) << size;
+    const std::string plate = shape("rectangle", to_world(translate(0, 0, 0.05)), diffuse(0.5));
+    for (const double size : {1e1, 1e4, 1e6}) {
+        const auto scene =
+            test::Scene(view_down(0, 0, 0.04, 0.01, 8), square(size), plate, point_light(0, 0, 2, 1)).load();
+        EXPECT_EQ(mean_of(*rendered(scene, 4, "max_depth=2")[Component::direct]).sum(), 0.0) << size;
     }
 }
 
 TEST_P(EveryMethod, ImageIsBitIdenticalForOneTwoAndFiveThreads) {
     for (const char* file : {"cornell-box.xml", "cornell-glass.xml"}) {
-        const auto scene = test::shipped_scene(file, {{}, std::pair{48, 48}});
-        const auto one = render(scene, method().name, 3, 1, 1);
+        const auto scene = shipped_scene(file, {{}, std::pair{48, 48}});
+        const auto one = render(scene, method().label, 3, 1, 1);
         for (int threads : {2, 5}) {
-            const auto many = render(scene, method().name, 3, 1, threads);
+            const auto many = render(scene, method().label, 3, 1, threads);
             for (Component c : all_components) {
                 ASSERT_EQ(one[c].has_value(), many[c].has_value());
                 if (one[c]) {
@@ -184,15 +132,15 @@ TEST_P(EveryMethod, ImageIsBitIdenticalForOneTwoAndFiveThreads) {
 }
 
 TEST_P(EveryMethod, DifferentSeedsGiveDifferentImages) {
-    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{16, 16}});
-    EXPECT_NE(render(scene, method().name, 1, 1).total().rgb, render(scene, method().name, 1, 2).total().rgb);
+    const auto scene = shipped_scene("cornell-box.xml", {{}, std::pair{16, 16}});
+    EXPECT_NE(render(scene, method().label, 1, 1).total().rgb, render(scene, method().label, 1, 2).total().rgb);
 }
 
 TEST_P(EveryMethod, ShowsEveryComponentThatItSimulatesAndNoOther) {
-    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{16, 16}});
-    const auto image = render(scene, method().name, 1);
+    const auto scene = shipped_scene("cornell-box.xml", {{}, std::pair{16, 16}});
+    const auto image = render(scene, method().label, 1);
     for (Component c : all_components) {
-        const auto& known = method().components;
+        const auto& known = method().description->components;
         EXPECT_EQ(image[c].has_value(), std::find(known.begin(), known.end(), c) != known.end()) << name_of(c);
     }
     if (image[Component::caustic]) {
@@ -203,9 +151,9 @@ TEST_P(EveryMethod, ShowsEveryComponentThatItSimulatesAndNoOther) {
 // Depth counts edges: 1 shows lights, 2 adds direct light, 3 the first indirect light. Depth 0 means unlimited in a
 // label, but black in XML.
 TEST_P(EveryMethod, DepthLimitsCutWholeComponents) {
-    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
+    const auto scene = shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
     const auto mean = [&](int depth, Component c) {
-        return mean_of(*render(scene, method().name + " max_depth=" + std::to_string(depth), 16)[c]).mean();
+        return mean_of(*render(scene, method().label + " max_depth=" + std::to_string(depth), 16)[c]).mean();
     };
     EXPECT_GT(mean(1, Component::emission), 0.0);
     EXPECT_EQ(mean(1, Component::direct), 0.0);
@@ -219,50 +167,41 @@ TEST_P(EveryMethod, DepthLimitsCutWholeComponents) {
 }
 
 TEST_P(EveryMethod, ASceneWithoutLightIsBlackAndFinite) {
-    const auto scene = test::scene_of(
-        test::scene_xml("<sensor type='perspective'>" + test::box_film(8) +
-                        "</sensor><shape type='sphere'><point name='center' x='0' y='0' z='3'/></shape>"));
-    EXPECT_EQ(mean_of(render(scene, method().name, 2).total()).sum(), 0.0);
+    const auto scene =
+        test::Scene(element("sensor", "perspective", box_film(8)), shape("sphere", center(0, 0, 3))).load();
+    EXPECT_EQ(mean_of(rendered(scene, 2).total()).sum(), 0.0);
 }
 
 // A lossless slab of glass in a furnace is invisible: radiance stays 1 through
 // refraction, total reflection and the way out.
 TEST_P(EveryMethod, LosslessGlassInTheFurnaceIsInvisible) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    if (!method().simulates.has(Effect::refraction)) GTEST_SKIP();
-    const std::string furnace =
-        "<shape type='sphere'><float name='radius' value='4'/><boolean name='flip_normals' value='true'/>"
-        "<bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>"
-        "<emitter type='area'><rgb name='radiance' value='0.5'/></emitter></shape>";
-    const std::string slab =
-        "<shape type='cube'><transform name='to_world'><scale x='0.8' y='0.6' z='0.2'/><rotate y='1' angle='25'/>"
-        "<translate z='2'/></transform><bsdf type='dielectric'><float name='int_ior' value='1.5'/>"
-        "<float name='ext_ior' value='1'/></bsdf></shape>";
-    const std::string sphere =
-        "<shape type='sphere'><point name='center' x='-1.4' y='0' z='2'/><float name='radius' value='0.4'/>"
-        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf></shape>";
-    const auto scene = test::scene_of(test::scene_xml("<sensor type='perspective'><float name='fov' value='60'/>" +
-                                                      test::box_film(32) + "</sensor>" + furnace + slab + sphere));
-    const Image image = render(scene, method().name, method().unbiased ? 512 : 64).total();
-    EXPECT_NEAR(mean_of(image).mean(), 1.0, 0.005);
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
+    if (!method().simulates(Effect::refraction)) GTEST_SKIP();
+    const std::string clear = bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1));
+    const auto scene =
+        test::Scene(camera(60, box_film(32)),
+                    shape("sphere", radius(4), flag("flip_normals"), one_sided("0.5"), area_light(0.5)),
+                    shape("cube", to_world(scale(0.8, 0.6, 0.2), rotate('y', 25), translate(0, 0, 2)), clear),
+                    shape("sphere", center(-1.4, 0, 2), radius(0.4), clear))
+            .load();
+    EXPECT_NEAR(mean_of(rendered(scene, is_unbiased() ? 512 : 64).total()).mean(), 1.0, 0.005);
 }
 
 // A disc of radius R that emits 1 lies out of focus, at the distance z on the axis of a lens of radius A focused
 // at f. Rays of the film's middle reach the disc from the lens points within R / |1 - z / f|, so its image has
 // the radiance (R / (A |1 - z / f|))^2 there.
 TEST_P(EveryMethod, LensesBlurWhatIsOutOfFocusInClosedForm) {
-    if (!test::samples_pixels(method())) GTEST_SKIP() << "too noisy";
-    const double radius = 0.1, z = 3, aperture = 0.5;
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
+    const double r = 0.1, z = 3, aperture = 0.5;
     for (const double focus : {2.0, 6.0}) {
-        const auto scene = test::scene_of(test::scene_xml(
-            "<sensor type='thinlens'><float name='fov' value='0.001'/><float name='aperture_radius' value='" +
-            fixed(aperture) + "'/><float name='focus_distance' value='" + fixed(focus) + "'/>" + test::box_film(16) +
-            "</sensor><shape type='disk'><transform name='to_world'><scale value='" + fixed(radius) +
-            "'/><rotate y='1' angle='180'/><translate z='" + fixed(z) +
-            "'/></transform><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf><emitter type='area'/>"
-            "</shape>"));
-        const double p = std::pow(radius / (aperture * std::abs(1 - z / focus)), 2);
-        const auto image = render(scene, method().name, 256);
+        const auto scene =
+            test::Scene(element("sensor", "thinlens", number("fov", 0.001), number("aperture_radius", aperture),
+                                number("focus_distance", focus), box_film(16)),
+                        shape("disk", to_world(scale(r), rotate('y', 180), translate(0, 0, z)), black,
+                              "<emitter type='area'/>"))
+                .load();
+        const double p = std::pow(r / (aperture * std::abs(1 - z / focus)), 2);
+        const auto image = rendered(scene, 256);
         ASSERT_TRUE(image[Component::emission]);
         // Hits are binomial: 256 pixels of 256 samples, four standard deviations.
         EXPECT_NEAR(mean_of(*image[Component::emission])[1], p, 4 * std::sqrt(p * (1 - p) / (256 * 256))) << focus;

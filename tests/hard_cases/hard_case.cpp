@@ -5,13 +5,13 @@
 #include "common/reader/scene_file.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/plan/toml_reader.h"
-#include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 namespace gib::test {
 
@@ -74,19 +74,39 @@ std::vector<HardCase> with_parameters(const TomlReader& reader, const HardCase& 
     return cases;
 }
 
-std::map<std::string, std::string> texts_of(const TomlReader& reader, const toml::node* table) {
-    std::map<std::string, std::string> texts;
-    if (table)
-        for (const auto& entry : reader.entries(reader.table(*table, "texts")))
-            texts[entry.key] = reader.string(*entry.value, entry.key);
-    return texts;
+/// A table of values by pass of a plan; `read` reads a value.
+template <typename Read>
+auto by_pass(const TomlReader& reader, const toml::table& table, const char* key, const Read& read) {
+    std::map<std::string, decltype(read(table, ""))> values;
+    if (const auto* passes = table.get(key))
+        for (const auto& entry : reader.entries(reader.table(*passes, key))) {
+            const auto methods = methods_under_test();
+            if (std::none_of(methods.begin(), methods.end(), [&](const auto& m) { return m.runs(entry.key); }))
+                throw InputError(reader.at(*entry.value), "no method has this pass");
+            values[entry.key] = read(*entry.value, entry.key);
+        }
+    return values;
+}
+
+std::vector<std::string> variants_of(const TomlReader& reader, const toml::node* names) {
+    std::vector<std::string> variants;
+    if (!names) return variants;
+    const auto known = look_up_variants(Work::small);
+    for (const auto& node : reader.filled_array(*names, "variants", "names of variants")) {
+        variants.push_back(reader.string(node, "variants"));
+        if (variants.back() != "all" && std::none_of(known.begin(), known.end(), [&](const auto& variant) {
+                return variant.name == variants.back();
+            }))
+            throw InputError(reader.at(node), "there is no such variant");
+    }
+    return variants;
 }
 
 std::vector<HardCase> read_case(const TomlReader& reader, const toml::table& table, const std::string& file,
                                 int seeds) {
     reader.check_keys(table, "a case",
                       {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
-                       "reason", "passes", "seeds", "every_pixel", "without"});
+                       "reason", "passes", "passes_with", "seeds", "every_pixel", "narrow", "variants", "without"});
     HardCase hard;
     const std::filesystem::path scene(reader.string(table.at("scene"), "scene"));
     hard.scene = (std::filesystem::path(file).parent_path() / scene).lexically_normal().string();
@@ -97,7 +117,13 @@ std::vector<HardCase> read_case(const TomlReader& reader, const toml::table& tab
     hard.passes = given_or(reader, table, "passes", 16u);
     hard.seeds = given_or(reader, table, "seeds", seeds);
     hard.every_pixel = given_or(reader, table, "every_pixel", false);
-    hard.without = texts_of(reader, table.get("without"));
+    hard.narrow = given_or(reader, table, "narrow", false);
+    hard.variants = variants_of(reader, table.get("variants"));
+    hard.passes_with = by_pass(reader, table, "passes_with", [&](const toml::node& value, std::string_view pass) {
+        return static_cast<std::uint32_t>(reader.whole_number(value, pass, 1, 1 << 20));
+    });
+    hard.without = by_pass(reader, table, "without",
+                           [&](const toml::node& value, std::string_view pass) { return reader.string(value, pass); });
     const auto* set = table.get("set");
     return with_parameters(reader, hard, set ? &reader.table(*set, "set") : nullptr);
 }
@@ -126,6 +152,7 @@ std::string problem_of_number(const HardCase& hard, const HardCaseImages& images
     const double tolerance = hard.accuracy * hard.expected;
     if (mean - half_width > hard.expected + tolerance)
         return fmt::format("{:.4g} % too bright", 100 * (mean / hard.expected - 1));
+    if (hard.relation == Relation::not_above) return "";
     const bool bound = hard.relation == Relation::at_most;
     const double least = bound ? hard.at_least : hard.expected;
     if (mean + half_width < least - tolerance) return fmt::format("{:.4g} % too dark", 100 * (1 - mean / least));
@@ -140,50 +167,50 @@ std::string problem_of_number(const HardCase& hard, const HardCaseImages& images
 
 }  // namespace
 
+std::uint32_t HardCase::passes_of(const MethodUnderTest& method) const {
+    const auto found = std::find_if(passes_with.begin(), passes_with.end(),
+                                    [&](const auto& entry) { return method.runs(entry.first); });
+    return found == passes_with.end() ? passes : found->second;
+}
+
+bool HardCase::is_for(const MethodUnderTest& method) const {
+    return std::none_of(without.begin(), without.end(), [&](const auto& entry) { return method.runs(entry.first); });
+}
+
+bool HardCase::has_variant(const std::string& variant) const {
+    return std::any_of(variants.begin(), variants.end(), [&](const auto& v) { return v == "all" || v == variant; });
+}
+
 HardCases load_hard_cases(const std::string& path) {
     const TomlReader reader(read_file(path), path);
     const auto& root = reader.root();
-    reader.check_keys(root, "a file of hard cases", {"seeds", "alpha", "resolve", "methods", "leaves_out", "case"});
+    reader.check_keys(root, "a file of hard cases", {"seeds", "alpha", "resolve", "case"});
     HardCases file{.alpha = root["alpha"].value<double>().value(),
                    .resolve = root["resolve"].value<double>().value(),
-                   .methods = texts_of(reader, root.get("methods")),
-                   .leaves_out = {},
                    .cases = {}};
-    for (const auto& entry : reader.entries(reader.table(root.at("leaves_out"), "leaves_out"))) {
-        for (const auto& value : reader.filled_array(*entry.value, entry.key, "effects")) {
-            const std::string name = reader.string(value, entry.key);
-            const auto all = Effects::all().list();
-            const auto effect = std::find_if(all.begin(), all.end(), [&](Effect e) { return name_of(e) == name; });
-            if (effect == all.end()) throw InputError(reader.at(value), "there is no such effect");
-            file.leaves_out[entry.key].add(*effect);
-        }
-    }
     for (const auto& node : reader.filled_array(root.at("case"), "case", "[[case]] tables"))
         for (auto& hard : read_case(reader, reader.table(node, "case"), path, root["seeds"].value<int>().value()))
             file.cases.push_back(std::move(hard));
     return file;
 }
 
-HardCaseImages render(const HardCase& hard, const std::string& label) {
-    HardCaseImages images;
-    try {
-        const LoadedScene loaded = load_scene(hard.scene, {hard.parameters, std::nullopt});
-        const auto method = ConfiguredMethod(MethodLabel::parse(label)).create({loaded.max_edges});
-        images.missing = method->plan(*loaded.scene).missing;
-        if (is_left_out(hard, images.missing)) return images;
-        with_threads(1, [&] {
-            for (int seed = 1; seed <= hard.seeds; ++seed) {
-                StageTimes stages;
-                const auto run = method->start(*loaded.scene, static_cast<std::uint64_t>(seed), stages);
-                for (std::uint32_t pass = 0; pass < hard.passes; ++pass)
-                    if (run->advance(pass) == Progress::converged) break;
-                add_image(images, run->image().total(), run->counts().non_finite);
-            }
-        });
-    } catch (const InputError& error) {
-        images.refusal = error.what();
-    }
-    return images;
+std::optional<HardCase> case_for(const HardCase& hard, const MethodUnderTest& method, const Plan& plan) {
+    if (hard.relation == Relation::black)
+        return plan.missing.has(Effect::participating_media) ? std::nullopt : std::optional(hard);
+    const bool is_complete = plan.unresolved.empty();
+    if (!plan.missing.empty() || !(is_complete || method.description->unbiased)) return std::nullopt;
+    HardCase held = hard;
+    held.every_pixel &= method.samples_pixels();
+    if (!is_complete || (hard.narrow && !method.samples_pixels())) held.relation = Relation::not_above;
+    return held;
+}
+
+const LoadedScene& scene_of(const HardCase& hard) {
+    using Key = std::pair<std::string, std::map<std::string, std::string>>;
+    static std::optional<std::pair<Key, LoadedScene>> last;
+    const Key key{hard.scene, hard.parameters};
+    if (!last || last->first != key) last.emplace(key, load_scene(hard.scene, {hard.parameters, std::nullopt}));
+    return last->second;
 }
 
 Verdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve) {
@@ -200,6 +227,38 @@ Verdict judge(const HardCase& hard, const HardCaseImages& images, double tail, d
     else if (hard.relation != Relation::black)
         verdict.problem = problem_of_number(hard, images, verdict.got, verdict.half_width, resolve);
     else if (images.largest != 0) verdict.problem = fmt::format("a pixel of {:.3g}", images.largest);
+    return verdict;
+}
+
+Verdict render_and_judge(const HardCase& hard, const MethodUnderTest& method, double tail, double resolve) {
+    const LoadedScene& loaded = scene_of(hard);
+    const auto configured = ConfiguredMethod(MethodLabel::parse(method.label)).create({loaded.max_edges});
+    const bool may_need_more = !method.samples_pixels() && hard.relation != Relation::not_above;
+    const std::uint32_t fewest = hard.passes_of(method), most = may_need_more ? 64 * fewest : fewest;
+    struct Seed {
+        StageTimes stages;
+        std::unique_ptr<Run> run;
+    };
+    std::vector<std::unique_ptr<Seed>> seeds(static_cast<std::size_t>(hard.seeds));
+    Verdict verdict;
+    with_threads(1, [&] {
+        for (std::uint32_t done = 0, passes = fewest; passes <= most; done = passes, passes *= 4) {
+            HardCaseImages images;
+            for (std::size_t i = 0; i < seeds.size(); ++i) {
+                if (!seeds[i]) {
+                    seeds[i] = std::make_unique<Seed>();
+                    seeds[i]->run = configured->start(*loaded.scene, i + 1, seeds[i]->stages);
+                }
+                Run& run = *seeds[i]->run;
+                for (std::uint32_t pass = done; pass < passes; ++pass)
+                    if (run.advance(pass) == Progress::converged) break;
+                add_image(images, run.image().total(), run.counts().non_finite);
+                if (passes == most) seeds[i].reset();
+            }
+            verdict = judge(hard, images, tail, resolve);
+            if (verdict.problem.empty()) return;
+        }
+    });
     return verdict;
 }
 

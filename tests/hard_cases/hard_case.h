@@ -3,19 +3,18 @@
 // them and explains its keys.
 
 #include "common/core/math.h"
-#include "common/scene/effects.h"
-#include "methods/parameters.h"
+#include "tests/support/methods_under_test.h"
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace gib::test {
 
-/// How the mean radiance of an image has to relate to the expected one. `refused`: the scene must give an error.
-enum class Relation { equal, at_most, black, refused };
+/// How the mean radiance of an image has to relate to the expected one. `refused`: the scene must give an error;
+/// `not_above`: at_most, but the interval around the mean may be wide.
+enum class Relation { equal, at_most, not_above, black, refused };
 
 struct HardCase {
     std::string name;   ///< with the swept parameters: `glass eta=3`
@@ -30,47 +29,42 @@ struct HardCase {
     std::uint32_t passes;  ///< samples a pixel
     int seeds;             ///< seeds 1 to this are rendered
     bool every_pixel;      ///< whether the answer holds for each pixel
-    std::map<std::string, std::string> without;  ///< part of a label -> why such methods are not tested
+    bool narrow;           ///< whether the camera sees so little that paths from the lights find it by chance
+    std::vector<std::string> variants;  ///< of look_up_variants(), which are tested, too; `all` stands for all of them
+    std::map<std::string, std::uint32_t>
+        passes_with;                             ///< pass of a plan -> instead of `passes` for methods that run it
+    std::map<std::string, std::string> without;  ///< pass of a plan -> why methods that run it are not tested
+
+    std::uint32_t passes_of(const MethodUnderTest& method) const;
+    bool is_for(const MethodUnderTest& method) const;
+    bool has_variant(const std::string& variant) const;
 };
 
 struct HardCases {
     double alpha, resolve;
-    std::map<std::string, std::string> methods;  ///< name in the tests -> label
-    std::map<std::string, Effects> leaves_out;   ///< part of a label -> what such methods may leave out
     std::vector<HardCase> cases;
-
-    /// The probability with which each verdict may be wrong, so that at least one of all verdicts is wrong with
-    /// probability at most `alpha` (Bonferroni).
-    double tail() const { return alpha / static_cast<double>(cases.size() * methods.size()); }
 };
 
 /// Throws InputError (`file:line:column: message`) if the file is wrong.
 HardCases load_hard_cases(const std::string& path);
 
-/// The value whose key is a part of the label.
-template <typename Value>
-std::optional<Value> value_for(const std::map<std::string, Value>& by_part, const std::string& label) {
-    for (const auto& [part, value] : by_part)
-        if (label.find(part) != std::string::npos) return value;
-    return std::nullopt;
-}
+/// The case as the method is held to it. What is black stays black without some of the light, but not without the medium
+/// that absorbs it. Unbiased methods that leave out paths, and paths from the lights alone in a narrow view, are at least
+/// not too bright. Empty if the method cannot be held to the answer, as it leaves out effects.
+std::optional<HardCase> case_for(const HardCase& hard, const MethodUnderTest& method, const Plan& plan);
+
+/// The scene of a case, which is kept until that of another case is asked for. Throws InputError if it is refused.
+const LoadedScene& scene_of(const HardCase& hard);
 
 /// The result of rendering one case by one method with several seeds.
 struct HardCaseImages {
     std::string refusal;           ///< message of the error if scene or method was refused; the rest is then unused
-    Effects missing;               ///< effects that the method leaves out; nothing is rendered if is_left_out()
     std::vector<double> means;     ///< mean of each seed's image, over pixels and channels [W/(sr m^2)]
     double smallest = infinity;    ///< smallest mean over the channels of any pixel [W/(sr m^2)]
     double largest = -infinity;    ///< largest one
     std::uint64_t not_finite = 0;  ///< number of such image values and of dropped samples
     std::uint64_t negative = 0;    ///< number of such image values
 };
-/// Whether a method without these effects cannot be held to the answer. What is black stays black without some of the
-/// light, but not without the medium that absorbs it.
-inline bool is_left_out(const HardCase& hard, Effects missing) {
-    return !missing.empty() && (hard.relation != Relation::black || missing.has(Effect::participating_media));
-}
-HardCaseImages render(const HardCase& hard, const std::string& label);
 
 struct Verdict {
     std::string problem;    ///< reason why the case fails; empty if it holds
@@ -84,5 +78,10 @@ struct Verdict {
 /// width of at most `resolve` times the answer. With `at_most` and `at_least`, the interval has to end within
 /// `resolve` of the bounds instead. No pixel may be negative or not finite, and with `black` every pixel has to be 0.
 Verdict judge(const HardCase& hard, const HardCaseImages& images, double tail, double resolve);
+
+/// Renders and judges a case as case_for() gives it. Methods of paths from the lights alone are noisier than others. If
+/// the case does not hold for them, four times as many passes are tried, and so on, up to 64 times as many. A wrong
+/// verdict is not more probable for that, since the last attempt would have to fail, too.
+Verdict render_and_judge(const HardCase& hard, const MethodUnderTest& method, double tail, double resolve);
 
 }  // namespace gib::test

@@ -1,10 +1,15 @@
 // Transformations of random scenes after which images are other random numbers of the same distribution. Independent
 // seeds of both sides are compared by t-tests of means.
 //
-// The distribution of the biased methods stays the same, too, so that their differences must vanish within noise:
+// Unbiased methods of the registry are held to all transformations, also if they leave out paths: these are the same on
+// both sides. Methods that estimate their bias are, too, within the difference of the two biases. Other biased methods are
+// held to those that leave the shapes, their sizes and the lights as they are, and turn the scene's box with the scene:
+// translations, quarter turns and other orders. What a method looks up within a radius, or divides into patches of a
+// size, is given in diagonals of the scene's box, which a rotation changes; it is set so that the length stays.
+//
+// Ways to look photons up are held to as much as the distribution of their images stays the same:
 // - A density estimate over all photons within a fixed radius (k=all) has the mean of the true light, blurred by the
-//   kernel. The number of photons, and which light sent them with what power, does not matter. `radius` is in
-//   diagonals of the scene's box, which a rotation changes; it is set so that the length stays.
+//   kernel. The number of photons, and which light sent them with what power, does not matter.
 // - With k nearest photons the radius, and with it the bias, follows the photons' density. The density stays if
 //   lights are chosen alike and send photons alike: under quarter turns (the box turns with the scene, and so does
 //   the ball around it on which lights at infinity are sampled), in another order, and with triangles split, provided
@@ -14,16 +19,15 @@
 // - The area that a density estimate divides by depends on the surface around a point
 //   (methods/parts/density/surface_disc.h). Randomly turned rays find this area, so it depends on geometry, not on
 //   how the geometry is cut into triangles.
-// - Radiosity's patches follow the shapes' own parameters, and are the same under quarter turns and in another order.
-//   Left out are split triangles (each has patches of its own, so that the refinement error of the mesh changes,
-//   which has no bound below the error itself), split lamps (which are patches, too), and the general rotation (the
-//   direction of patches' edges stays, but their longest edge is given in diagonals; all else is tested by the
-//   quarter turns).
+// - Radiosity's patches follow the shapes' own parameters: split triangles have patches of their own, so that the
+//   refinement error of the mesh changes, which has no bound below the error itself.
 // - The irradiance cache is left out: its gradients are differences between strata of a hemisphere whose azimuth
 //   follows an arbitrary frame, and so does their error. exact_invariance_test.cpp compares it bit for bit.
 
+#include "methods/parts/vertices/light_paths.h"
 #include "tests/invariance/scene_transforms.h"
 #include "tests/support/image_samples.h"
+#include "tests/support/methods_under_test.h"
 
 namespace gib::invariance_test {
 namespace {
@@ -98,19 +102,19 @@ bool changes(const RandomScene& scene, Change change) {
 /// The property of a scene that a transformation must preserve for a method to be compared.
 enum class Needs { nothing, same_photons, same_patches };
 
-struct ComparedMethod {
-    std::string name, label;
-    std::uint32_t passes;
-    std::uint64_t scenes;                                 ///< up to most_scenes
-    std::vector<std::pair<std::string, double>> lengths;  ///< parameters in diagonals of the scene
-    Needs needs = Needs::nothing;
+struct ComparedMethod : MethodUnderTest {
+    Needs needs;
+    std::uint32_t passes = 4;
+    std::uint64_t scenes = 6;  ///< up to most_scenes
 
     /// The label with lengths [scene units] as in a scene of the diagonal `original`.
     std::string label_for(double original, double diagonal) const {
-        std::string text = label;
-        for (const auto& [parameter, length] : lengths)
-            text += " " + parameter + "=" + exact(length * original / diagonal);
-        return text;
+        MethodLabel set = MethodLabel::parse(label);
+        for (auto& [key, value] : set.values)
+            for (const Parameter& parameter : description->parameters)
+                if (parameter.name == key && parameter.unit == "scene diagonals")
+                    value = fmt::to_string(std::stod(value) * original / diagonal);
+        return set.text();
     }
     bool can_be_compared(Change change) const {
         if (needs == Needs::nothing || change == Change::translation) return true;
@@ -118,26 +122,36 @@ struct ComparedMethod {
         return needs == Needs::same_photons || change != Change::triangles_split;
     }
 };
-const std::vector<ComparedMethod>& methods() {
-    const std::vector<std::pair<std::string, double>> radii = {
-        {"radius", 0.05}, {"caustic_radius", 0.03}, {"volume_radius", 0.05}};
-    static const std::vector<ComparedMethod> all = {
-        {"path", "path", 16, most_scenes, {}},
-        {"photons_all", "photon_mapper photons=500 k=all kernel=cone", 4, 6, radii},
-        {"photons", "photon_mapper photons=500 k=10 projection=off", 4, 6, {}, Needs::same_photons},
-        {"gather_all", "photon_mapper photons=500 k=all gather=2 source=photons", 2, 6, radii},
-        {"gather", "photon_mapper photons=500 k=10 projection=off gather=4", 4, 6, {}, Needs::same_photons},
-        {"shadows", "photon_mapper photons=500 k=all shadow_photons=500 shadows=guide", 4, 6, radii},
-        {"radiosity", "radiosity patch=0.5", 4, 6, {}, Needs::same_patches},
-    };
-    return all;
+
+const std::vector<ComparedMethod>& compared_methods() {
+    static const std::vector<ComparedMethod> methods = [] {
+        std::vector<ComparedMethod> all;
+        for (const MethodUnderTest& method : methods_under_test(Work::tiny)) {
+            const bool unbiased = method.description->unbiased, joins = method.runs(pass_connections);
+            all.push_back({method, unbiased || method.estimates_bias() ? Needs::nothing : Needs::same_patches,
+                           unbiased ? 16u : 4u, unbiased && !joins ? most_scenes : 6});
+        }
+        const std::string radii = " k=all radius=0.05 caustic_radius=0.03 volume_radius=0.05",
+                          nearest = " k=10 projection=off", map = "photon_mapper photons=500";
+        const auto add = [&](const std::string& name, const std::string& settings, Needs needs,
+                             std::uint32_t passes = 4) {
+            all.push_back({method_under_test(name, map + settings), needs, passes});
+        };
+        add("photons_all", radii + " kernel=cone", Needs::nothing);
+        add("photons", nearest, Needs::same_photons);
+        add("gather_all", radii + " gather=2 source=photons", Needs::nothing, 2);
+        add("gather", nearest + " gather=4", Needs::same_photons);
+        add("shadows", radii + " shadow_photons=500 shadows=guide", Needs::nothing);
+        return all;
+    }();
+    return methods;
 }
 
 using Case = std::pair<const Invariance*, const ComparedMethod*>;
 std::vector<Case> cases() {
     std::vector<Case> all;
     for (const Invariance& invariance : invariances())
-        for (const ComparedMethod& method : methods())
+        for (const ComparedMethod& method : compared_methods())
             if (method.can_be_compared(invariance.change)) all.emplace_back(&invariance, &method);
     return all;
 }
@@ -153,22 +167,24 @@ TEST_P(Invariances, HoldInDistribution) {
     Dice dice(static_cast<std::uint64_t>(invariance->change));
     for (std::uint64_t seed = 100; probabilities.size() < method->scenes; ++seed) {
         SCOPED_TRACE("scene " + std::to_string(seed));
-        const bool plain = method->needs == Needs::same_patches || seed % 4 == 0;
+        const bool plain = !(method->description->simulates == Effects::all()) || seed % 4 == 0;
         const RandomScene description = random_scene(seed, plain ? SceneMood::polygons : SceneMood::any);
         if (!changes(description, invariance->change)) continue;
         const LoadedScene before = scene_of(scene_file(description, folder));
         const auto diagonal = static_cast<double>(before.scene->diagonal());
         const std::string label = method->label_for(diagonal, diagonal);
-        if (!simulates(label, *before.scene)) continue;
+        if (!method->simulates_all_of(*before.scene)) continue;
         const LoadedScene after = scene_of(scene_file(changed(description, invariance->change, seed), folder));
         const std::string other = method->label_for(diagonal, static_cast<double>(after.scene->diagonal()));
         const auto a = replicates(before, label, method->passes, dice.bits(), seeds);
         const auto b = replicates(after, other, method->passes, dice.bits(), seeds);
+        const auto probability = [&](std::size_t i) {
+            return welch_probability(a[i], b[i], 1, std::abs(a[i].bias.mean() - b[i].bias.mean()));
+        };
         for (std::size_t i = 0; i < a.size(); ++i)
-            EXPECT_GT(welch_probability(a[i], b[i]), least)
-                << "number " << i << ": " << a[i].mean() << " +- " << a[i].standard_error() << ", then " << b[i].mean()
-                << " +- " << b[i].standard_error();
-        probabilities.push_back(welch_probability(a[1], b[1]));  // the green channel
+            EXPECT_GT(probability(i), least) << "number " << i << ": " << a[i].mean() << " +- " << a[i].standard_error()
+                                             << ", then " << b[i].mean() << " +- " << b[i].standard_error();
+        probabilities.push_back(probability(1));  // the green channel
     }
     const double together = fisher_probability(probabilities);
     RecordProperty("probability", std::to_string(together));

@@ -1,7 +1,7 @@
 // Random scenes with every method: images are finite and not negative, and no sample is dropped.
 
 #include "tests/invariance/random_scenes.h"
-#include "tests/support/hard_cases.h"
+#include "tests/support/methods_under_test.h"
 
 #include <map>
 
@@ -16,17 +16,19 @@ std::uint64_t scene_count() {
     return std::getenv("GIB_SWEEP_SCENES") ? std::stoull(std::getenv("GIB_SWEEP_SCENES")) : 200;
 }
 
-/// Methods with options that are fast and noisy.
-const std::vector<std::pair<std::string, std::string>>& swept_methods() {
-    static const std::vector<std::pair<std::string, std::string>> methods = {
-        {"path", "path"},
-        {"photons", "photon_mapper photons=300"},
-        {"photons_all", "photon_mapper photons=300 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
-        {"gather", "photon_mapper photons=300 gather=4"},
-        {"cache", "photon_mapper photons=300 gather=8 cache=on"},
-        {"shadows", "photon_mapper photons=300 shadow_photons=300 shadows=guide"},
-        {"radiosity", "radiosity patch=0.5"},
-    };
+/// All methods, and other ways to look stored light up.
+const std::vector<MethodUnderTest>& swept_methods() {
+    static const std::vector<MethodUnderTest> methods = [] {
+        auto all = methods_under_test(Work::tiny);
+        for (MethodUnderTest& variant : look_up_variants(Work::tiny))
+            all.push_back(std::move(variant));
+        return all;
+    }();
+    return methods;
+}
+/// These take longer, so they see one scene in 16.
+const std::vector<MethodUnderTest>& slow_methods() {
+    static const std::vector<MethodUnderTest> methods = pilot_variants();
     return methods;
 }
 
@@ -46,17 +48,21 @@ TEST_P(RandomScenes, AreFiniteAndNotNegative) {
         RandomScene description = random_scene(seed, mood_of(seed / parts));
         description.camera.size = 4;
         const LoadedScene scene = scene_of(scene_file(description, folder));
-        for (const auto& [name, label] : swept_methods()) {
-            SCOPED_TRACE("scene " + std::to_string(seed) + ", " + label);
-            if (!simulates(label, *scene.scene)) continue;
-            ++judged[name];
-            const Image image = render(scene, label, 2, seed + 1, 1).total();
-            for (const float x : image.rgb)
-                EXPECT_TRUE(std::isfinite(x) && x >= 0.f) << x;
-        }
+        const auto sweep = [&](const std::vector<MethodUnderTest>& methods) {
+            for (const MethodUnderTest& method : methods) {
+                SCOPED_TRACE("scene " + std::to_string(seed) + ", " + method.label);
+                if (!method.simulates_all_of(*scene.scene)) continue;
+                ++judged[method.name];
+                const Image image = render(scene, method.label, 2, seed + 1, 1).total();
+                for (const float x : image.rgb)
+                    EXPECT_TRUE(std::isfinite(x) && x >= 0.f) << x;
+            }
+        };
+        sweep(swept_methods());
+        if (seed / parts % 16 == 1) sweep(slow_methods());
     }
-    for (const auto& [name, label] : swept_methods())
-        EXPECT_GT(judged[name], 0) << label;
+    for (const MethodUnderTest& method : swept_methods())
+        EXPECT_GT(judged[method.name], 0) << method.label;
 }
 
 INSTANTIATE_TEST_SUITE_P(Parts, RandomScenes, testing::Range<std::uint64_t>(0, 8));

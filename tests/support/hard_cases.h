@@ -1,61 +1,16 @@
 #pragma once
-// Building blocks of the tests of hard cases: the methods, with the options that have numerical cases of their own,
-// and pieces of scene files.
+// Scenes that are scaled and moved as a whole.
 
-#include "tests/support/scene_fixtures.h"
-#include "tests/support/scene_text.h"
+#include "common/core/math.h"
+#include "tests/support/scene_builder.h"
 
-#include <cmath>
 #include <string>
-#include <vector>
 
 namespace gib::test {
 
-struct HardMethod {
-    std::string name, label;
-};
-inline const std::vector<HardMethod>& hard_methods() {
-    static const std::vector<HardMethod> methods = {
-        {"path", "path"},
-        {"photons", "photon_mapper photons=5000"},
-        {"photons_all", "photon_mapper photons=5000 k=all radius=0.05 caustic_radius=0.02 kernel=cone"},
-        {"gather", "photon_mapper photons=5000 gather=8"},
-        {"cache", "photon_mapper photons=5000 gather=32 cache=on"},
-        {"shadows", "photon_mapper photons=5000 shadow_photons=5000 shadows=guide"},
-        {"radiosity", "radiosity patch=0.1"},
-    };
-    return methods;
-}
-
-/// Whether the method simulates every effect that the scene calls for.
-inline bool simulates(const std::string& label, const Scene& scene) {
-    return ConfiguredMethod(MethodLabel::parse(label)).create({})->plan(scene).missing == Effects();
-}
-
-inline std::string exact(double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.17g", x);
-    return text;
-}
-inline std::string number_xml(const std::string& name, double x) {
-    return "<float name='" + name + "' value='" + exact(x) + "'/>";
-}
-inline std::string rgb_xml(const std::string& name, double x) {
-    return "<rgb name='" + name + "' value='" + exact(x) + "'/>";
-}
-inline std::string diffuse_bsdf(double reflectance) {
-    return "<bsdf type='diffuse'>" + rgb_xml("reflectance", reflectance) + "</bsdf>";
-}
-inline std::string area_emitter(double radiance) {
-    return "<emitter type='area'>" + rgb_xml("radiance", radiance) + "</emitter>";
-}
-inline std::string glass(double int_ior, double ext_ior = 1) {
-    return "<bsdf type='dielectric'>" + number_xml("int_ior", int_ior) + number_xml("ext_ior", ext_ior) + "</bsdf>";
-}
-
-inline std::string lookat(const Vec3d& origin, const Vec3d& target) {
-    const auto text = [](const Vec3d& v) { return exact(v.x()) + "," + exact(v.y()) + "," + exact(v.z()); };
-    return "<lookat origin='" + text(origin) + "' target='" + text(target) + "' up='0,1,0'/>";
+inline std::string diffuse_bsdf(double reflectance) { return bsdf("diffuse", rgb("reflectance", reflectance)); }
+inline std::string sphere_at(const Vec3d& middle, double r, const std::string& inside) {
+    return shape("sphere", center(middle.x(), middle.y(), middle.z()), radius(r), inside);
 }
 
 /// The placement of a whole scene: it is scaled, then moved.
@@ -65,34 +20,14 @@ struct Place {
 
     /// The to_world of a camera, which must not contain a scale.
     std::string view(const Vec3d& origin, const Vec3d& target) const {
-        return "<transform name='to_world'>" + lookat(scale * origin + move, scale * target + move) + "</transform>";
+        const auto text = [&](const Vec3d& p) {
+            const Vec3d at = scale * p + move;
+            return fmt::format("{}, {}, {}", at.x(), at.y(), at.z());
+        };
+        return to_world(look_at(text(origin), text(target)));
     }
-    /// The to_world of a shape: `operations`, then the placement.
-    std::string transform(const std::string& operations = "") const {
-        std::string text = "<transform name='to_world'>" + operations;
-        if (scale != 1) text += "<scale value='" + exact(scale) + "'/>";
-        if (!move.isZero(0))
-            text += "<translate x='" + exact(move.x()) + "' y='" + exact(move.y()) + "' z='" + exact(move.z()) + "'/>";
-        return text + "</transform>";
-    }
+    /// The to_world of a shape.
+    std::string transform() const { return to_world(test::scale(scale), translate(move.x(), move.y(), move.z())); }
 };
-
-inline std::string shape(const std::string& type, const std::string& transform, const std::string& inside) {
-    return "<shape type='" + type + "'>" + transform + inside + "</shape>";
-}
-inline std::string sphere_at(const Vec3d& center, double radius, const std::string& inside) {
-    return "<shape type='sphere'><point name='center' x='" + exact(center.x()) + "' y='" + exact(center.y()) + "' z='" +
-           exact(center.z()) + "'/>" + number_xml("radius", radius) + inside + "</shape>";
-}
-inline std::string camera(const std::string& transform, double fov, int size, const std::string& more = "") {
-    return "<sensor type='perspective'>" + number_xml("fov", fov) + transform + box_film(size) + more + "</sensor>";
-}
-
-/// A sphere around the whole scene. Its walls reflect rho and emit 1 - rho, so the radiance is 1 everywhere and in
-/// every direction, and an object that absorbs no light cannot be seen in it.
-inline std::string furnace(double radius = 4, double rho = 0.5) {
-    return sphere_at(Vec3d::Zero(), radius,
-                     "<boolean name='flip_normals' value='true'/>" + diffuse_bsdf(rho) + area_emitter(1 - rho));
-}
 
 }  // namespace gib::test

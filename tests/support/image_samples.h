@@ -2,8 +2,8 @@
 // Compares pictures that should have the same distribution: replicates of each, and the
 // probability of their difference.
 
-#include "tests/support/hard_cases.h"
 #include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
 
 #include "experiments/metrics/student_t.h"
 
@@ -38,14 +38,23 @@ inline std::vector<double> numbers_of(const ComponentImages& images) {
     return numbers;
 }
 
-/// Moments of numbers_of() over renders with `seeds` successive seeds, which are independent.
-inline std::vector<Moments> replicates(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
-                                       std::uint64_t first_seed, std::uint64_t seeds) {
-    std::vector<Moments> moments(numbers_of_a_picture);
+/// A number of a picture over seeds.
+struct PictureNumber : Moments {
+    Moments bias;  ///< as the images estimate it; 0 without such an estimate
+};
+
+/// The numbers_of() renders with `seeds` successive seeds, which are independent.
+inline std::vector<PictureNumber> replicates(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
+                                             std::uint64_t first_seed, std::uint64_t seeds) {
+    std::vector<PictureNumber> moments(numbers_of_a_picture);
     for (std::uint64_t seed = first_seed; seed < first_seed + seeds; ++seed) {
-        const auto numbers = numbers_of(render(scene, label, passes, seed, 1));
-        for (std::size_t i = 0; i < moments.size(); ++i)
+        const ComponentImages images = render(scene, label, passes, seed, 1);
+        const auto numbers = numbers_of(images);
+        const auto biases = numbers_of({images.width, images.height, images.bias});
+        for (std::size_t i = 0; i < moments.size(); ++i) {
             moments[i].add(numbers[i]);
+            moments[i].bias.add(biases[i]);
+        }
     }
     return moments;
 }
@@ -53,13 +62,14 @@ inline std::vector<Moments> replicates(const LoadedScene& scene, const std::stri
 /// The relative difference of two means that rounding explains: some hundred operations in float.
 inline constexpr double picture_rounding = 1e-5;
 
-/// P(|T| >= t) of Welch's t-test (1947) for the hypothesis that the mean of a is `scale` times the mean of b. Under
+/// P(|T| >= t) of Welch's t-test (1947) for the hypothesis that the mean of a is `scale` times the mean of b, up to
+/// `bias`. Under
 /// the hypothesis both sides have the same law, so the difference of their means over equally many seeds is
 /// symmetric, whatever that law is. The tails of t are then, if anything, lighter than Student's (Efron 1969):
 /// fireflies cause no false alarms.
-inline double welch_probability(const Moments& a, const Moments& b, double scale = 1) {
+inline double welch_probability(const Moments& a, const Moments& b, double scale = 1, double bias = 0) {
     const double va = a.standard_error() * a.standard_error(), vb = std::pow(scale * b.standard_error(), 2);
-    const double allowed = picture_rounding * std::max(std::abs(a.mean()), std::abs(scale * b.mean()));
+    const double allowed = bias + picture_rounding * std::max(std::abs(a.mean()), std::abs(scale * b.mean()));
     const double difference = std::max(std::abs(a.mean() - scale * b.mean()) - allowed, 0.0);
     if (difference == 0) return 1;
     if (va + vb == 0) return 0;

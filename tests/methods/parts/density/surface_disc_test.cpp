@@ -16,7 +16,7 @@ const Vec3 up(0, 0, 1);
 const std::string floor_square = white("rectangle");
 
 /// About k of the n photons over [-1, 1]^2 lie within the radius r.
-constexpr std::size_t n = 20000, k = 100;
+constexpr std::size_t n = 20000, nearest = 100;
 const float r = 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n)));
 
 /// Photons of 1 [W/area] on [-1, 1]^2. Those beyond the line x cos(turn) + y
