@@ -15,9 +15,9 @@ namespace {
 const Vec3 up(0, 0, 1);
 const std::string floor_square = white("rectangle");
 
-/// About k of the n photons over [-1, 1]^2 lie within the radius r.
+/// About nearest of the n photons over [-1, 1]^2 lie within the radius r.
 constexpr std::size_t n = 20000, nearest = 100;
-const float r = 2.f * std::sqrt(static_cast<float>(k) / (pi * static_cast<float>(n)));
+const float r = 2.f * std::sqrt(static_cast<float>(nearest) / (pi * static_cast<float>(n)));
 
 /// Photons of 1 [W/area] on [-1, 1]^2. Those beyond the line x cos(turn) + y
 /// sin(turn) = at have 1000 times the power.
@@ -31,8 +31,8 @@ std::vector<Photon> bright_beyond(float at, float turn, std::uint64_t seed) {
 
 /// The estimators that must find the density 1 on the dark side.
 std::vector<DensityEstimator> estimators(DiscArea area = DiscArea::surface) {
-    return {{Kernel::uniform, k, 0.5f, area},
-            {Kernel::cone, k, 0.5f, area},
+    return {{Kernel::uniform, nearest, 0.5f, area},
+            {Kernel::cone, nearest, 0.5f, area},
             {Kernel::gaussian, all_photons, r, area},
             {Kernel::epanechnikov, all_photons, r, area}};
 }
