@@ -6,6 +6,7 @@
 #include "tests/support/hard_cases.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
+#include "tests/support/scene_text.h"
 
 #include <vector>
 
