@@ -83,27 +83,26 @@ TEST(EnvironmentMap, ItsFrameTurnsItWithTheWorld) {
 
 TEST(EnvironmentMap, PdfIntegratesToOneAndTheIntegralIsThatOfRadiance) {
     for (const auto& [name, image] : hard_maps()) {
+        SCOPED_TRACE(name);
         const EnvironmentMap map = map_of(image);
-        EXPECT_NEAR(cell_integral(image, [&](const Vec3& w) { return static_cast<double>(map.pdf_w(w)); }), 1, 1e-3)
-            << name;
+        EXPECT_NEAR(cell_integral(image, [&](const Vec3& w) { return static_cast<double>(map.pdf_w(w)); }), 1, 1e-3);
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(cell_integral(image, [&](const Vec3& w) { return static_cast<double>(map.radiance(w)[c]); }),
-                        map.integral()[c], 1e-3 * map.integral()[c])
-                << name;
+                        map.integral()[c], 1e-3 * map.integral()[c]);
     }
 }
 
 TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
     for (const auto& [name, image] : hard_maps()) {
+        SCOPED_TRACE(name);
         const EnvironmentMap map = map_of(image);
         for (std::uint32_t i = 0; i < 4096; ++i) {
             const auto sample = map.sample(Sampler(PointSet::sobol, 3, 0, i).get_2d(0));
             EXPECT_NEAR(sample.w.norm(), 1.f, 1e-6f);
             // Rounding moves the direction by 1e-7, which is 1e-6 of the distance between texels; the radiance may
             // change by a factor of a million over that distance.
-            EXPECT_TRUE(sample.radiance.isApprox(map.radiance(sample.w), 1e-3f) || sample.radiance.maxCoeff() < 1e-4f)
-                << name;
-            EXPECT_NEAR(sample.pdf_w / map.pdf_w(sample.w), 1.f, 1e-3f) << name;
+            EXPECT_TRUE(sample.radiance.isApprox(map.radiance(sample.w), 1e-3f) || sample.radiance.maxCoeff() < 1e-4f);
+            EXPECT_NEAR(sample.pdf_w / map.pdf_w(sample.w), 1.f, 1e-3f);
         }
     }
 }
@@ -113,6 +112,7 @@ TEST(EnvironmentMap, SamplesHaveTheDensityAndTheRadianceOfTheirDirection) {
 // all seeds, and the seed is fixed.
 TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
     for (const auto& [name, image] : hard_maps()) {
+        SCOPED_TRACE(name);
         const EnvironmentMap map = map_of(image);
         std::array<Moments, 9> means;  // the first eight by the signs of x, y and z
         for (std::uint32_t i = 0; i < samples; ++i) {
@@ -124,32 +124,31 @@ TEST(EnvironmentMap, SamplesIntegrateTestFunctions) {
         for (std::size_t octant = 0; octant < 8; ++octant)
             EXPECT_NEAR(means[octant].mean_of(samples), std::numbers::pi / 2,
                         4.5 * means[octant].standard_error_of(samples))
-                << name << octant;
+                << octant;
         const double integral = map.integral()[1];
-        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral)
-            << name;
+        EXPECT_NEAR(means[8].mean_of(samples), integral, 4.5 * means[8].standard_error_of(samples) + 1e-6 * integral);
         // The density is in proportion to luminance except for a uniform tenth, so the estimate of a grey map's
         // integral hardly varies.
         const bool concentrated = std::string(name) == "sun on black" || std::string(name) == "north pole";
-        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples))
-            << name;
+        EXPECT_LT(means[8].standard_error_of(samples), (concentrated ? 0.4 : 2.0) * integral / std::sqrt(samples));
     }
 }
 
 TEST(EnvironmentMap, IsFiniteAtThePolesAndAtTheSeam) {
     for (const auto& [name, image] : hard_maps()) {
+        SCOPED_TRACE(name);
         const EnvironmentMap map = map_of(image);
         for (const Vec3& w :
              {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, -1), Vec3(-0.f, 0, -1), Vec3(1e-30f, 1, -1e-30f),
               Vec3(-1e-8f, 0, -1), Vec3(1e-8f, 0, -1), Vec3(0, 1.0000001f, 0)}) {
-            EXPECT_TRUE(map.radiance(w).isFinite().all() && (map.radiance(w) >= 0).all()) << name;
-            EXPECT_TRUE(std::isfinite(map.pdf_w(w)) && map.pdf_w(w) > 0) << name;
+            EXPECT_TRUE(map.radiance(w).isFinite().all() && (map.radiance(w) >= 0).all());
+            EXPECT_TRUE(std::isfinite(map.pdf_w(w)) && map.pdf_w(w) > 0);
         }
         for (const float a : {0.f, 0.1f, 0x1.fffffep-1f})
             for (const float b : {0.f, 0.5f, 0x1.fffffep-1f}) {
                 const auto s = map.sample(Vec2(a, b));
                 EXPECT_TRUE(s.w.allFinite() && s.radiance.isFinite().all() && std::isfinite(s.pdf_w) && s.pdf_w > 0)
-                    << name << ' ' << a << ' ' << b;
+                    << a << ' ' << b;
             }
     }
 }

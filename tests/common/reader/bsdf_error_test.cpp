@@ -94,6 +94,7 @@ TEST(BsdfErrors, Reflectances) {
                           {{number(name, 1.5), number_place(name), range + "1.5"},
                            {number(name, -0.1), number_place(name), range + "-0.1"},
                            {rgb(name, "0.5 1.01 0"), rgb_place, range + "1.01"},
+                           {rgb(name, -0.1), rgb_place, range + "-0.1"},
                            {rgb(name, "1 2"), rgb_place, "'" + name + "' takes one or three numbers, found 2"},
                            {rgb(name, "nan"), rgb_place, "bad number 'nan'"},
                            {rgb(name, "#ff0000"), rgb_place, "bad number '#ff0000'"},
