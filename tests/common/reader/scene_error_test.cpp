@@ -18,11 +18,11 @@ std::string error_in(const std::string& tag, const std::string& type, const std:
 
 TEST(SceneErrors, MalformedXml) {
     expect_errors({{"<scene version='3.0.0'>\n  <shape type='sphere'>\n</scene>", "3:3", "malformed XML"},
-                   {"<scene version='3.0.0'>\n<!-- <a> -->\n<shape type='a/>b'>\n<bsdf/>\n</scene>", "5:1",
+                   {"<scene version='3.0.0'>\n<!-- <a> -->\n<shape type='a/>b'>\n<bsdf/>\n</scene>", "5:3",
                     "</scene> stands where <shape> of line 3 has to be closed first"},
                    {"", "1:1", "malformed XML"},
                    {"<scene version='3.0.0'/><scene/>", "1:25", "malformed XML"},
-                   {"<scene version='3.0.0'>\n text</scene>", "1:1", "unexpected text in <scene>"},
+                   {"<scene version='3.0.0'>\n text</scene>", "1:24", "unexpected text in <scene>"},
                    {"<scene\n version='3.0.0' version='3'/>", "2:18", "attribute 'version' is given twice"}},
                   error_of);
 }
@@ -169,7 +169,7 @@ TEST(SceneErrors, Sensors) {
         {{"<string name='focal_length' value='5cm'/>", "3:29", "bad number '5cm'"},
          {"<float name='near_clip' value='0'/>", "3:25", "'near_clip' must be above 0"},
          {"<float name='near_clip' value='5'/><float name='far_clip' value='4'/>", "3:25", "must be below 'far_clip'"},
-         {"<float name='fov' value='50'/><string name='fov_axis' value='z'/>", "3:61",
+         {"<float name='fov' value='50'/><string name='fov_axis' value='z'/>", "3:55",
           "'fov_axis' cannot be 'z'; it takes: x, y, diagonal, smaller, larger"},
          {"<transform name='to_world'><scale value='2'/></transform>", "3:1",
           "the to_world of a perspective sensor must not scale"},

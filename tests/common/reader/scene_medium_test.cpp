@@ -49,7 +49,7 @@ TEST(MediumErrors, Parameters) {
             {element("phase", "hg", number("g", 1)), "3:34", "'g' must be between -0.999 and 0.999, not 1"},
             {element("phase", "isotropic", number("g", 0.5)), "3:25",
              "phase 'isotropic' does not take a parameter 'g'"},
-            {element("phase", "hg") + element("phase", "hg"), "3:19", "only one <phase>"},
+            {"<phase type='hg'/><phase type='hg'/>", "3:19", "only one <phase>"},
         },
         in("homogeneous"));
     expect_errors(

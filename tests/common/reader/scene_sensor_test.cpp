@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-const std::string ball = shape("sphere");
+const std::string ball = "<shape type='sphere'/>";
 
 /// A film of `size` x `size` pixels that starts on line 1.
 std::string film(int size, const std::string& body = "") {
@@ -189,7 +189,7 @@ TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
     expect_errors({{element("rfilter", "sinc"), "3:10",
                     "the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"},
                    {element("rfilter", "tent", radius(0)), "3:43", "'radius' must be above 0"},
-                   {element("rfilter", "tent", number("stddev", 1)), "3:23",
+                   {element("rfilter", "tent", number("stddev", 1)), "3:22",
                     "rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"},
                    {element("rfilter", "gaussian", number("stddev", 0)), "3:47", "'stddev' must be above 0"},
                    {element("rfilter", "gaussian", radius(2)), "3:26",
@@ -203,7 +203,7 @@ TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
 // Films, samplers and integrators of any name are taken for what counts here; a warning says what does not.
 TEST(SceneSensor, WarnsOfWhatHasNoEffect) {
     const auto warnings = [](const std::string& body) { return load(perspective(body)).warnings; };
-    EXPECT_THAT(warnings(film(4, element("rfilter", "lanczos") + number("gain", 2))),
+    EXPECT_THAT(warnings(film(4, "<rfilter type='lanczos'/>" + number("gain", 2))),
                 ElementsAre("t.xml:1:161: the filter 'lanczos' has negative lobes: gaussian stands in for it",
                             "t.xml:1:186: film 'hdrfilm': 'gain' has no effect"));
     EXPECT_THAT(warnings(element("film", "newfilm")),
