@@ -215,7 +215,7 @@ TEST(SpectrumErrors, Files) {
         path);
     expect_errors(
         {{"filename='no.spd'", "3:27", "there is no file 'no.spd'; searched: "},
-         {"filename='.'", "3:27", "it is a folder"},
+         {"filename='.'", "", "it is a folder"},
          {"value='1' filename='a.spd'", "3:37", "give either 'value' or 'filename'"}},
         [&](const std::string& attributes) {
             return lamp_error("<spectrum name='radiance' " + attributes + "/>", main);
