@@ -9,34 +9,23 @@
 #include <map>
 #include <numbers>
 
-namespace gib::media_test {
+namespace gib::test::media_test {
 namespace {
-
-using test::box_film;
-using test::means_over_seeds;
-using test::Moments;
-using test::scene_of;
-using test::scene_xml;
 
 constexpr double pi_d = std::numbers::pi;
 constexpr double sigmas = 5;  ///< allowed errors, in standard errors of means over seeds
 constexpr int unlimited = std::numeric_limits<int>::max();
 
-const std::string constant_sky = "<emitter type='constant'><rgb name='radiance' value='1'/></emitter>";
+const std::string constant_sky = constant_light(1);
 
-std::string camera(int size, double fov) {
-    return fmt::format(
-        "<sensor type='perspective'><float name='fov' value='{}'/><transform name='to_world'><translate "
-        "z='-4'/></transform>{}</sensor>",
-        fov, box_film(size));
+std::string camera_before(int size, double fov) { return camera(fov, to_world(translate(0, 0, -4)), box_film(size)); }
+std::string hg_phase(double g) { return element("phase", "hg", number("g", g)); }
+std::string ball(const std::string& material, const std::string& sigma_s, double g = 0) {
+    return shape("sphere", material, "<medium name='interior' type='homogeneous'>", rgb("sigma_s", sigma_s),
+                 hg_phase(g), "</medium>");
 }
-std::string ball(const std::string& bsdf, const std::string& sigma_s, double g = 0) {
-    return "<shape type='sphere'>" + bsdf + "<medium name='interior' type='homogeneous'><rgb name='sigma_s' value='" +
-           sigma_s + fmt::format("'/><phase type='hg'><float name='g' value='{}'/></phase></medium></shape>", g);
-}
-const std::string no_surface = "<bsdf type='null'/>";
-const std::string glass =
-    "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+const std::string no_surface = bsdf("null");
+const std::string clear_glass = bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1));
 
 /// The integral of fluence over the unit ball with extinction sigma and albedo 1 under a sky of radiance 1. All light
 /// together gives 4 pi V. For the light that comes straight from the sky, every line crosses a chord l = 2 mu with mu
@@ -50,7 +39,7 @@ double fluence_of_ball(double sigma, bool straight_only) {
 TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
     for (const auto& [sigma, g] : {std::pair{0.5, 0.0}, {3.0, 0.0}, {3.0, 0.8}}) {
         const auto scene = scene_of(
-            scene_xml(camera(4, 40) + constant_sky + ball(no_surface, fmt::format("{0}, {0}, {0}", sigma), g)));
+            scene_xml(camera_before(4, 40) + constant_sky + ball(no_surface, fmt::format("{0}, {0}, {0}", sigma), g)));
         Moments stored;
         for (std::uint64_t seed = 1; seed <= 32; ++seed) {
             double sum = 0;
@@ -68,7 +57,7 @@ TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
 // Nothing is absorbed, so all light that is emitted escapes again, in each channel,
 // though the channels are scattered differently.
 TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
-    const auto scene = scene_of(scene_xml(camera(4, 40) + constant_sky + ball(glass, "0.3, 1, 4", 0.3)));
+    const auto scene = scene_of(scene_xml(camera_before(4, 40) + constant_sky + ball(clear_glass, "0.3, 1, 4", 0.3)));
     std::array<Moments, 3> escaped, lost;
     for (std::uint64_t seed = 1; seed <= 16; ++seed) {
         const auto balance = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).balance;
@@ -88,10 +77,8 @@ TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
 // The camera stands outside a ball of fog, the lamp in its middle. The medium
 // around the lamp is found from the camera.
 TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {
-    const auto scene = scene_of(scene_xml(camera(4, 40) +
-                                          "<emitter type='point'><point name='position' x='0' y='0' z='0'/><rgb "
-                                          "name='intensity' value='1'/></emitter>" +
-                                          ball(no_surface, "0.5, 0.5, 0.5")));
+    const auto scene =
+        scene_of(scene_xml(camera_before(4, 40) + point_light(0, 0, 0, 1) + ball(no_surface, "0.5, 0.5, 0.5")));
     EXPECT_FALSE(trace_photons(*scene.scene, PhotonMapKind::volume, 1000, unlimited, 1).photons.empty());
     // Paths have at most three edges, so a photon is scattered once and stored at its second event only.
     for (const Photon& photon : trace_photons(*scene.scene, PhotonMapKind::volume, 1000, 3, 1).photons)
@@ -104,12 +91,12 @@ TEST(PhotonMapperInMedia, WhiteMediaVanish) {
     const std::vector<std::pair<std::string, std::string>> bodies = {
         {"thin", ball(no_surface, "0.3, 0.3, 0.3")},    {"denser", ball(no_surface, "2, 2, 2")},
         {"forwards", ball(no_surface, "4, 4, 4", 0.7)}, {"coloured", ball(no_surface, "0.2, 1, 5")},
-        {"in glass", ball(glass, "2, 2, 2")},
+        {"in glass", ball(clear_glass, "2, 2, 2")},
     };
     for (const auto& [name, body] : bodies)
         for (const char* kernel : {"uniform", "gaussian"}) {
-            const auto found = means_over_seeds(scene_of(scene_xml(camera(16, 25) + constant_sky + body)), 32, 12, {},
-                                                std::string("photon_mapper photons=2e5 kernel=") + kernel);
+            const auto found = means_over_seeds(scene_of(scene_xml(camera_before(16, 25) + constant_sky + body)), 32,
+                                                12, {}, std::string("photon_mapper photons=2e5 kernel=") + kernel);
             for (const Moments& m : found) {
                 EXPECT_LT(m.standard_error(), 0.01) << name;
                 EXPECT_NEAR(m.mean(), 1, sigmas * m.standard_error() + 0.002) << name << ' ' << kernel;
@@ -121,7 +108,7 @@ TEST(PhotonMapperInMedia, WhiteMediaVanish) {
 // sees. Estimates there take photons from up to a radius further inside, so they are too bright by a share that is
 // proportional to the radius.
 TEST(PhotonMapperInMedia, DenseWhiteMediaVanishAsTheRadiusShrinks) {
-    const auto scene = scene_of(scene_xml(camera(16, 25) + constant_sky + ball(no_surface, "8, 8, 8")));
+    const auto scene = scene_of(scene_xml(camera_before(16, 25) + constant_sky + ball(no_surface, "8, 8, 8")));
     const auto excess = [&](const char* radius) {
         const Moments green = means_over_seeds(
             scene, 32, 12, {}, std::string("photon_mapper photons=2e5 k=all volume_radius=") + radius)[1];
@@ -138,7 +125,7 @@ TEST(PhotonMapperInMedia, DenseWhiteMediaVanishAsTheRadiusShrinks) {
 // than the distance to the 50th photon; the look-ups are limited to a mean free path.
 TEST(PhotonMapperInMedia, AThinLayerOfADenseMediumKeepsItsLight) {
     const auto scene = scene_of(
-        scene_xml(camera(16, 25) + constant_sky + "<shape type='sphere'>" + no_surface +
+        scene_xml(camera_before(16, 25) + constant_sky + "<shape type='sphere'>" + no_surface +
                   "<medium name='interior' type='homogeneous'><float name='sigma_t' value='300'/><rgb name='albedo' "
                   "value='0.8'/></medium></shape>"));
     const Moments path = means_over_seeds(scene, 32, 6)[1];
@@ -153,9 +140,9 @@ ComponentMoments components_over_seeds(const LoadedScene& scene, const std::stri
                                        const std::vector<Component>& components) {
     ComponentMoments moments;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-        const auto image = test::render(scene, method, passes, seed);
+        const auto image = render(scene, method, passes, seed);
         for (Component c : components) {
-            const Colord mean = test::mean_of(*image[c]);
+            const Colord mean = mean_of(*image[c]);
             for (std::size_t i = 0; i < 3; ++i)
                 moments[c][i].add(mean[static_cast<int>(i)]);
         }
@@ -177,28 +164,21 @@ void expect_components(const LoadedScene& scene, std::uint32_t path_passes, cons
         }
 }
 
-const std::string grey_floor =
-    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' "
-    "angle='-90'/><translate y='-1'/></transform><bsdf type='diffuse'/></shape>";
-const std::string grey_wall =
-    "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate y='1' "
-    "angle='180'/><translate z='3'/></transform><bsdf type='diffuse'/></shape>";
+const std::string floor_and_wall =
+    shape("rectangle", to_world(scale(4), rotate('x', -90), translate(0, -1, 0)), bsdf("diffuse")) +
+    shape("rectangle", to_world(scale(4), rotate('y', 180), translate(0, 0, 3)), bsdf("diffuse"));
 
 // A cube of fog stands over a floor, with a ball of glass in it and a lamp outside. All path
 // classes occur, also those from a surface into the fog and from the fog to a surface. Emission is
 // left out, because the lamp is not in view.
 TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
-    const std::string fog =
-        "<medium type='homogeneous' id='fog'><rgb name='sigma_t' value='0.4, 0.6, 0.9'/><rgb name='albedo' "
-        "value='0.9, 0.8, 0.95'/><phase type='hg'><float name='g' value='0.4'/></phase></medium>";
-    const auto scene = scene_of(scene_xml(
-        fog + camera(16, 40) + grey_floor + grey_wall +
-        "<shape type='rectangle'><transform name='to_world'><scale value='1.5'/><rotate x='1' angle='90'/><translate "
-        "y='3'/></transform><emitter type='area'><rgb name='radiance' value='10, 8, 6'/></emitter></shape>" +
-        "<shape type='cube'><transform name='to_world'><scale x='1.5' y='0.9' z='1.5'/></transform>" + no_surface +
-        "<ref name='interior' id='fog'/></shape><shape type='sphere'><point name='center' x='0.5' y='0' z='0'/><float "
-        "name='radius' value='0.5'/>" +
-        glass + "<ref name='exterior' id='fog'/></shape>"));
+    const auto scene =
+        Scene("<medium type='homogeneous' id='fog'>", rgb("sigma_t", "0.4, 0.6, 0.9"), rgb("albedo", "0.9, 0.8, 0.95"),
+              hg_phase(0.4), "</medium>", camera_before(16, 40), floor_and_wall,
+              shape("rectangle", to_world(scale(1.5), rotate('x', 90), translate(0, 3, 0)), area_light("10, 8, 6")),
+              shape("cube", to_world(scale(1.5, 0.9, 1.5)), no_surface, "<ref name='interior' id='fog'/>"))
+            .sphere(0.5, 0, 0, 0.5, clear_glass, "<ref name='exterior' id='fog'/>")
+            .load();
     expect_components(scene, 512, "photon_mapper photons=2e5", 16,
                       {Component::direct, Component::caustic, Component::indirect, Component::volume});
 }
@@ -206,18 +186,15 @@ TEST(PhotonMapperInMedia, EveryComponentAgreesWithThePathTracerInFog) {
 // The floor is seen through the ball that splits the light on the floor, so
 // eye paths and photons both have a stratum.
 TEST(PhotonMapperWithDispersion, EveryComponentAgreesWithThePathTracer) {
-    const std::string split =
-        "<bsdf type='dielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' "
-        "value='1'/><float name='cauchy_b' value='0.03'/></bsdf>";
-    const auto scene = scene_of(scene_xml(
-        camera(16, 40) + grey_floor + grey_wall +
-        "<shape type='sphere'><point name='center' x='1' y='3' z='0'/><float name='radius' value='1.2'/><emitter "
-        "type='area'><rgb name='radiance' value='20, 10, 5'/></emitter></shape><shape type='sphere'>" +
-        split + "</shape>"));
+    const auto scene = Scene(camera_before(16, 40), floor_and_wall)
+                           .sphere(1, 3, 0, 1.2, area_light("20, 10, 5"))
+                           .add(shape("sphere", bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1),
+                                                     number("cauchy_b", 0.03))))
+                           .load();
     ASSERT_TRUE(scene.scene->has_dispersion());
     expect_components(scene, 1024, "photon_mapper photons=1e5", 16,
                       {Component::direct, Component::caustic, Component::indirect});
 }
 
 }  // namespace
-}  // namespace gib::media_test
+}  // namespace gib::test::media_test

@@ -1,4 +1,5 @@
-// The photon mapper as a method: its plan, its components against path tracing, its bias and its leaks.
+// The photon mapper as a method: its plan, its components against path tracing, its bias and its leaks; emission and direct light
+// by eye paths of their own (direct_samples); and laws that hold for every combination of options that its table allows.
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "experiments/metrics/statistics.h"
@@ -6,14 +7,12 @@
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
 
+#include <algorithm>
 #include <iostream>
 #include <map>
 
-namespace gib::photon_mapper_test {
+namespace gib::test::photon_mapper_test {
 namespace {
-
-using test::mean_of;
-using test::render;
 
 /// Settings without a projection map: if photons were aimed, a map that no light can fill would trace none.
 PhotonMapperSettings settings(std::uint64_t photons) {
@@ -28,12 +27,7 @@ PhotonMapperSettings settings(std::uint64_t photons) {
     return s;
 }
 
-struct Rendered {
-    ComponentImages image;
-    RunCounts counts;
-};
-
-Rendered render_for(const Scene& scene, const Effects& effects) {
+Rendered render_for(const gib::Scene& scene, const Effects& effects) {
     StageTimes stages;
     const auto run = start_photon_mapper(scene, settings(20000), effects, 1, stages);
     for (std::uint32_t pass = 0; pass < 4; ++pass)
@@ -42,7 +36,7 @@ Rendered render_for(const Scene& scene, const Effects& effects) {
 }
 
 TEST(PhotonMapper, SkippingWhatASceneDoesNotCallForChangesNoPixelAndSavesRays) {
-    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const auto scene = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
     const auto planned = render_for(*scene.scene, effects_of(*scene.scene));
     const auto everything = render_for(*scene.scene, Effects::all());
     for (Component c : all_components) {
@@ -56,12 +50,11 @@ TEST(PhotonMapper, SkippingWhatASceneDoesNotCallForChangesNoPixelAndSavesRays) {
     EXPECT_EQ(everything.counts.photons, 40000u);
 }
 
+Plan plan_of(const char* file, const std::string& options = "") {
+    return ConfiguredMethod(MethodLabel::parse("photon_mapper" + options)).create({})->plan(*shipped_scene(file).scene);
+}
+
 TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
-    const auto plan_of = [](const char* file) {
-        const auto& method = find_method("photon_mapper");
-        const auto scene = test::shipped_scene(file);
-        return method.create(ParameterValues(all_parameters(method), {"photon_mapper", {}}), {})->plan(*scene.scene);
-    };
     const Plan box = plan_of("cornell-box.xml"), glass = plan_of("cornell-glass.xml");
     EXPECT_FALSE(box.runs("caustic map"));
     EXPECT_FALSE(box.runs("specular paths"));
@@ -76,8 +69,8 @@ TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
 // path tracer's within 1 %, which the density estimate may blur, and four standard errors of
 // independent runs (each at most 3 % of the light).
 TEST(PhotonMapper, EveryComponentAgreesWithThePathTracerOnGlass) {
-    const auto scene = test::shipped_scene("cornell-glass.xml", {{}, std::pair{64, 64}});
-    std::map<Component, test::Moments> path, photons;
+    const auto scene = shipped_scene("cornell-glass.xml", {{}, std::pair{64, 64}});
+    std::map<Component, Moments> path, photons;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         const auto by_path = render(scene, "path", 256, seed);
         const auto by_photons = render(scene, "photon_mapper photons=2e5", 8, seed);
@@ -105,7 +98,7 @@ ReferenceLayer reference_of(const LoadedScene& scene, Component component, std::
 // more than both 95 % intervals; k = 200 makes it large enough to be resolved. Only the light of the global map is
 // judged, because the noise at the lamp's edge would widen the intervals.
 TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
-    const auto scene = test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const auto scene = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
     const ReferenceLayer reference = reference_of(scene, Component::indirect, 256);
     std::optional<Estimate> previous;
     for (const auto& [photons, seeds] : {std::pair{"1e4", 16u}, std::pair{"1e5", 16u}, std::pair{"1e6", 8u}}) {
@@ -125,40 +118,32 @@ TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
 }
 
 TEST(PhotonMapper, ShortPathsNeedNoMaps) {
-    const auto scene = test::shipped_scene("cornell-glass.xml");
-    const auto& method = find_method("photon_mapper");
-    const auto plan_of = [&](const std::string& depth) {
-        const MethodLabel label{"photon_mapper", {{"max_depth", depth}}};
-        return method.create(ParameterValues(all_parameters(method), label), {})->plan(*scene.scene);
+    const auto with_depth = [](const std::string& depth) {
+        return plan_of("cornell-glass.xml", " max_depth=" + depth);
     };
-    EXPECT_FALSE(plan_of("2").runs("caustic map"));
-    EXPECT_FALSE(plan_of("2").runs("global map"));
-    EXPECT_TRUE(plan_of("2").runs("light sampling"));
-    EXPECT_FALSE(plan_of("1").runs("light sampling"));
-    EXPECT_TRUE(plan_of("3").runs("global map"));
+    EXPECT_FALSE(with_depth("2").runs("caustic map"));
+    EXPECT_FALSE(with_depth("2").runs("global map"));
+    EXPECT_TRUE(with_depth("2").runs("light sampling"));
+    EXPECT_FALSE(with_depth("1").runs("light sampling"));
+    EXPECT_TRUE(with_depth("3").runs("global map"));
 }
 
 // The floor's interpolated normals lean by 45 degrees; a wall beside it lights it indirectly, and
 // nothing lies below it. Photons count irradiance on the geometric floor, whereas the path
 // tracer's cosine is that of the shading normal.
 TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string file = folder.write("leaning_floor.obj",
                                           "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0.7071068 0 0.7071068\n"
                                           "f 1//1 2//1 3//1\nf 1//1 3//1 4//1\n");
-    const auto scene = test::scene_of(
-        test::scene_xml("<sensor type='orthographic'><transform name='to_world'><scale value='0.8'/><lookat "
-                        "origin='0,0,5' target='0,0,0' "
-                        "up='0,1,0'/></transform>" +
-                        test::box_film(16) + "</sensor><shape type='obj'><string name='filename' value='" + file +
-                        "'/>" + test::diffuse(0.8) +
-                        "</shape><shape type='rectangle'><transform name='to_world'>"
-                        "<scale value='3'/><rotate y='1' angle='-90'/><translate x='3' z='3'/></transform>" +
-                        test::diffuse(0.8) +
-                        "</shape><emitter type='point'><point name='position' x='1' y='0' z='1.5'/><rgb "
-                        "name='intensity' value='1'/></emitter>"));
+    const auto scene =
+        Scene(element("sensor", "orthographic", to_world(scale(0.8), look_at("0,0,5", "0,0,0")), box_film(16)),
+              shape("obj", text("filename", file), diffuse(0.8)),
+              shape("rectangle", to_world(scale(3), rotate('y', -90), translate(3, 0, 3)), diffuse(0.8)),
+              point_light(1, 0, 1.5, 1))
+            .load();
     const auto path = render(scene, "path", 1024);
-    test::Moments photons;
+    Moments photons;
     for (std::uint64_t seed = 1; seed <= 4; ++seed)
         photons.add(mean_of(*render(scene, "photon_mapper photons=5e6", 4, seed)[Component::indirect]).mean());
     const double expected = mean_of(*path[Component::indirect]).mean();
@@ -170,7 +155,7 @@ TEST(PhotonMapper, InterpolatedNormalsReflectAsInThePathTracer) {
 // photons are divided by pi r^2, estimates are 10 % too dark on average. If the other walls' photons count, too (half
 // a disc each in the edge itself, more next to it), estimates are 4 % too bright.
 TEST(PhotonMapper, DiscsThatLeaveTheSurfaceDoNotDarkenTheEdges) {
-    const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{24, 24}});
+    const auto furnace = shipped_scene("furnace.xml", {{}, std::pair{24, 24}});
     const auto indirect = [&](const std::string& area) {
         return mean_of(*render(furnace, "photon_mapper photons=1e5 k=2500 area=" + area, 4)[Component::indirect])
             .mean();
@@ -186,7 +171,7 @@ TEST(PhotonMapper, NoLightPassesThinWallsOrPlanesCloseTogether) {
     for (const char* file : {"thin-wall.xml", "parallel-planes.xml"})
         for (const char* k : {"50", "all radius=0.03 caustic_radius=0.02"}) {
             SCOPED_TRACE(std::string(file) + " k=" + k);
-            const auto scene = test::shipped_scene(file, {{{"dim", "0"}}, std::pair{24, 18}});
+            const auto scene = shipped_scene(file, {{{"dim", "0"}}, std::pair{24, 18}});
             const auto light = [&](const std::string& area) {
                 const auto image = render(scene, "photon_mapper photons=1e5 k=" + std::string(k) + " area=" + area, 1);
                 return mean_of(*image[Component::indirect]).mean() + mean_of(*image[Component::caustic]).mean();
@@ -202,5 +187,194 @@ TEST(PhotonMapper, AutomaticKGrowsWithThePhotons) {
     EXPECT_EQ(automatic_k(1), 4u);
 }
 
+constexpr Component straight[] = {Component::emission, Component::direct};
+
+/// The mean over pixels and channels of the variance over seeds.
+double variance_over_seeds(const LoadedScene& scene, const std::string& label, std::uint32_t passes, Component c) {
+    constexpr std::uint64_t seeds = 12;
+    std::vector<Moments> values;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const Image image = *render(scene, label, passes, seed)[c];
+        values.resize(image.rgb.size());
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i].add(image.rgb[i]);
+    }
+    double sum = 0;
+    for (const Moments& value : values)
+        sum += static_cast<double>(seeds) * value.standard_error() * value.standard_error();
+    return sum / static_cast<double>(values.size());
+}
+
+// The path that looks up photons takes the same random numbers with and without them.
+TEST(DirectSamples, LeaveTheLightOfPhotonsAsItIs) {
+    const auto scene = shipped_scene("cornell-glass.xml", {{}, std::pair{20, 20}});
+    for (const std::string label : {"photon_mapper photons=5000", "photon_mapper photons=5000 gather=16 cache=on"}) {
+        const auto one = render(scene, label, 2), many = render(scene, label + " direct_samples=11", 2);
+        for (Component c : {Component::caustic, Component::indirect})
+            EXPECT_EQ(one[c]->rgb, many[c]->rgb) << label << ' ' << name_of(c);
+        for (Component c : straight)
+            EXPECT_NE(one[c]->rgb, many[c]->rgb) << label << ' ' << name_of(c);
+    }
+}
+
+// Both estimate emission and direct light without bias: glass and a mirror, a medium, glossy plates. Four standard errors,
+// each below 3 % of the light.
+TEST(DirectSamples, EmissionAndDirectLightAreThoseOfThePathTracer) {
+    for (const char* file : {"cornell-glass.xml", "fog.xml", "veach-mis.xml"}) {
+        const auto scene = shipped_scene(file, {{}, std::pair{24, 24}});
+        for (Component c : straight) {
+            Moments path, photons;
+            for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+                path.add(mean_of(*render(scene, "path", 64, seed)[c]).mean());
+                photons.add(mean_of(*render(scene, "photon_mapper photons=1000 direct_samples=16", 4, seed)[c]).mean());
+            }
+            const double error = std::hypot(path.standard_error(), photons.standard_error());
+            EXPECT_LT(error, 0.03 * path.mean()) << file << ' ' << name_of(c);
+            EXPECT_NEAR(photons.mean(), path.mean(), 4 * error) << file << ' ' << name_of(c);
+        }
+    }
+}
+
+// Sixteen paths a pixel are sixteen points of one Owen-scrambled sequence, however passes divide them, so that the
+// variance is the same. Were the paths of a pass repeated in the next one, it would be four times as large. The ratio of two
+// such estimates scatters by about a tenth.
+TEST(DirectSamples, HaveTheNoiseOfAsManyPasses) {
+    const auto scene = shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
+    const std::string label = "photon_mapper photons=0 caustic_photons=0";
+    for (Component c : straight) {
+        const double of_passes = variance_over_seeds(scene, label, 16, c);
+        for (const auto& [passes, count] : {std::pair{1u, 16}, std::pair{4u, 4}}) {
+            const std::string many = label + " direct_samples=" + std::to_string(count);
+            EXPECT_NEAR(variance_over_seeds(scene, many, passes, c) / of_passes, 1, 0.35) << name_of(c) << ' ' << count;
+        }
+    }
+}
+
+const std::vector<std::string> gathering = {"source", "cache", "spacing"};
+
+bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool has(const std::string& label, const char* option) { return label.find(option) != std::string::npos; }
+
+/// `start` with every combination of values of the parameters that `counts` accepts. The values are a parameter's
+/// choices; if they stand beside a number, that number's default is one, too.
+template <typename Counts>
+std::vector<std::string> combined(const std::string& start, Counts&& counts) {
+    std::vector<std::string> labels = {start};
+    for (const Parameter& p : find_method("photon_mapper").parameters) {
+        std::vector<std::string> values = p.choices;
+        if (values.empty() || !counts(p.name)) continue;
+        if (p.kind != Parameter::Kind::choice) values.push_back(p.default_value);
+        std::vector<std::string> extended;
+        for (const auto& label : labels)
+            for (const auto& value : values)
+                extended.push_back(label + " " + p.name + "=" + value);
+        labels = std::move(extended);
+    }
+    return labels;
+}
+
+/// All combinations for density estimates without final gathering, and for final gathering those of its own options
+/// and of the options that affect it.
+std::vector<std::string> combinations() {
+    auto labels = combined("photon_mapper", [](const std::string& name) {
+        // Shadow photons have tests of their own. Without them, the option `shadows` is refused.
+        return !is_one_of(name, gathering) && name != "shadows";
+    });
+    auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
+        return is_one_of(name, gathering) || name == "area" || name == "projection";
+    });
+    // Estimates at the end of every gather ray are slow, so fewer rays are used there. The records of a cache are
+    // few; 8 rays would be too noisy for 1.5 % of the image's mean.
+    for (std::string& label : gathered)
+        if (has(label, "source=photons") && has(label, "cache=off"))
+            label.replace(label.find("gather=32"), 9, "gather=8");
+    // The method refuses these, because there are no records to space.
+    std::erase_if(gathered,
+                  [](const std::string& label) { return has(label, "cache=off") && has(label, "spacing=diagonals"); });
+    for (std::string& label : gathered)
+        if (has(label, "cache=off")) label.erase(label.find(" spacing="));
+    labels.insert(labels.end(), gathered.begin(), gathered.end());
+    // The method refuses these, because all photons within the radius count and there is nothing to choose.
+    std::erase_if(labels, [](const std::string& label) {
+        return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;
+    });
+    return labels;
+}
+
+TEST(PhotonOptions, CoverWhatTheTableOffers) {
+    const auto labels = combinations();
+    EXPECT_GE(labels.size(), 16u);
+    for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
+        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [&](const auto& label) { return has(label, option); }))
+            << option;
+}
+
+TEST(PhotonOptions, WithoutEffectAreRefused) {
+    const std::pair<const char*, const char*> refused[] = {
+        {"shadows=guide", "'shadows' has no effect with shadow_photons=0"},
+        {"shadow_k=8", "'shadow_k' has no effect with shadow_photons=0"},
+        {"source=paths", "'source' has no effect with gather=0"},
+        {"cache=on", "'cache' has no effect with gather=0"},
+        {"gather=8 accuracy=0.2", "'accuracy' has no effect with cache=off"},
+        {"photons=0 gather=8", "'gather' has no effect with photons=0, unless source=paths"},
+        {"photons=0 caustic_photons=9 radius=0.1", "'radius' has no effect with photons=0"},
+        {"caustic_photons=0 caustic_radius=0.1", "'caustic_radius' has no effect with caustic_photons=0"},
+        {"volume_photons=0 volume_radius=0.1", "'volume_radius' has no effect with volume_photons=0"},
+        {"photons=0 volume_photons=9 area=plain", "'area' has no effect with no photons on surfaces"},
+        {"photons=0 kernel=cone", "'kernel' has no effect with no photons"},
+        {"k=all compensation=on", "'compensation' has no effect with k=all"},
+    };
+    for (const auto& [parameters, message] : refused)
+        try {
+            ConfiguredMethod(MethodLabel::parse(std::string("photon_mapper ") + parameters)).create({});
+            ADD_FAILURE() << parameters;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+        }
+    for (const char* kept : {"shadow_photons=9 shadows=skip shadow_k=8", "photons=0 gather=8 source=paths cache=on",
+                             "photons=0 caustic_photons=9 caustic_radius=0.1 k=8 kernel=cone area=plain"})
+        EXPECT_NO_THROW(ConfiguredMethod(MethodLabel::parse(std::string("photon_mapper ") + kept)).create({})) << kept;
+}
+
+// The radiance is 1 everywhere, and indirect light is rho^2 = 1/4 of it; 1e5 photons give it within 0.3 %. Whole
+// discs are too dark along the edges of the box, or too bright if they count the photons of the next wall (plain).
+TEST(PhotonOptions, FurnaceHasTheAnalyticRadiance) {
+    const auto furnace = shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
+    for (const auto& label : combinations()) {
+        const Image indirect = *render(furnace, label + " photons=100000 radius=0.03", 4)[Component::indirect];
+        const double mean = 4 * mean_of(indirect).mean();
+        EXPECT_GT(mean, has(label, "area=surface") ? 0.985 : 0.95) << label;
+        EXPECT_LT(mean, has(label, "area=plain") ? 1.04 : 1.015) << label;
+    }
+}
+
+// The image's mean is the path tracer's, so no option loses a path class or counts it twice.
+TEST(PhotonOptions, MeanAgreesWithThePathTracer) {
+    const auto glass = shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
+    const double truth = mean_of(render(glass, "path", 1024).total()).mean();
+    for (const auto& label : combinations()) {
+        const double mean =
+            mean_of(render(glass, label + " photons=20000 radius=0.03 caustic_radius=0.02", 4).total()).mean();
+        EXPECT_NEAR(mean / truth, 1, has(label, "area=surface") ? 0.03 : 0.06) << label;
+    }
+}
+
+TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
+    for (const char* file : {"cornell-glass.xml", "fog.xml"}) {
+        const auto scene = shipped_scene(file, {{}, std::pair{20, 20}});
+        for (const auto& label : combinations()) {
+            const std::string small = label + " photons=6000 radius=0.02 caustic_radius=0.02";
+            // A pass sees the records that the passes before it added to the cache.
+            const std::uint32_t passes = has(label, "cache=on") ? 3 : 1;
+            const Image one = render(scene, small, passes, 1, 1).total();
+            for (int threads : {2, 5})
+                ASSERT_EQ(one.rgb, render(scene, small, passes, 1, threads).total().rgb) << label << ' ' << threads;
+        }
+    }
+}
+
 }  // namespace
-}  // namespace gib::photon_mapper_test
+}  // namespace gib::test::photon_mapper_test

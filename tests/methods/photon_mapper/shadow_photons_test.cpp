@@ -4,71 +4,47 @@
 
 #include "methods/photon_mapper/light_visibility.h"
 #include "methods/photon_mapper/photon_mapper.h"
-#include "tests/support/light_fixtures.h"
-#include "tests/support/moments.h"
-#include "tests/support/scene_fixtures.h"
+#include "tests/support/seed_means.h"
 
 #include <fmt/format.h>
 #include <iostream>
 #include <map>
 #include <numbers>
 
-namespace gib::shadow_photons_test {
+namespace gib::test::shadow_photons_test {
 namespace {
 
-using test::mean_of;
-using test::render;
-
-/// A square in the plane z = 0, as wide as the scene. The camera looks at it from just below the blocker at z = 2.
-constexpr const char* floor_xml =
-    "<shape type='rectangle'><transform name='to_world'><scale value='4'/></transform>"
-    "<bsdf type='diffuse'><rgb name='reflectance' value='0.8'/></bsdf></shape>";
-
-std::string camera_xml(int size) {
-    return "<sensor type='perspective'><float name='fov' value='80'/><transform name='to_world'><lookat "
-           "origin='0,0,1.9' "
-           "target='0,0,0' up='0,1,0'/></transform>" +
-           test::box_film(size) + "</sensor>";
-}
-
 /// A square at z = 2 whose width is twice `half`.
-std::string blocker_xml(double half, const std::string& bsdf) {
-    return fmt::format(
-        "<shape type='rectangle'><transform name='to_world'><scale value='{}'/>"
-        "<translate z='2'/></transform>{}</shape>",
-        half, bsdf);
+std::string blocker(double half, const std::string& material) {
+    return shape("rectangle", to_world(scale(half), translate(0, 0, 2)), material);
 }
 
 constexpr int lights_a_side = 4;
 
-/// Squares at z = 4, 0.3 wide, that shine down. Their colours and strengths all differ.
-std::string lamps_xml() {
+/// Lights at z = 4 whose colours and strengths all differ: squares, 0.3 wide, that shine down, or point lights in the middles of
+/// these, a tenth as strong.
+std::string many_lights(bool squares) {
     std::string xml;
     for (int i = 0; i < lights_a_side; ++i)
-        for (int j = 0; j < lights_a_side; ++j)
-            xml += fmt::format(
-                "<shape type='rectangle'><transform name='to_world'><scale value='0.15'/><rotate x='1' "
-                "angle='180'/><translate x='{}' y='{}' z='4'/></transform><bsdf type='diffuse'/><emitter "
-                "type='area'><rgb name='radiance' value='{},{},20'/></emitter></shape>",
-                1.5 * i - 2.2, 1.4 * j - 2.1, 20 + 15 * i, 20 + 15 * j);
+        for (int j = 0; j < lights_a_side; ++j) {
+            const double x = 1.5 * i - 2.2, y = 1.4 * j - 2.1;
+            const auto color = [&](double scale) {
+                return fmt::format("{},{},{}", scale * (20 + 15 * i), scale * (20 + 15 * j), scale * 20);
+            };
+            xml += squares ? shape("rectangle", to_world(scale(0.15), rotate('x', 180), translate(x, y, 4)),
+                                   bsdf("diffuse"), area_light(color(1)))
+                           : point_light(x, y, 4, color(0.1));
+        }
     return xml;
 }
+const std::string lamps = many_lights(true);
 
-/// Point lights in the middles of the squares of lamps_xml.
-std::string points_xml() {
-    std::string xml;
-    for (int i = 0; i < lights_a_side; ++i)
-        for (int j = 0; j < lights_a_side; ++j)
-            xml += fmt::format(
-                "<emitter type='point'><point name='position' x='{}' y='{}' z='4'/><rgb name='intensity' "
-                "value='{},{},2'/></emitter>",
-                1.5 * i - 2.2, 1.4 * j - 2.1, 2 + 1.5 * i, 2 + 1.5 * j);
-    return xml;
-}
-
-LoadedScene floor_scene(const std::string& body, int size = 16) {
-    return test::scene_of(test::scene_xml("<integrator type='path'><integer name='max_depth' value='2'/></integrator>" +
-                                          camera_xml(size) + floor_xml + body));
+/// A square in the plane z = 0, as wide as the scene. The camera looks at it from just below the blocker at z = 2.
+LoadedScene floor_scene(const std::string& body) {
+    return Scene(element("integrator", "path", integer("max_depth", 2)),
+                 camera(80, to_world(look_at("0,0,1.9", "0,0,0")), box_film(16)),
+                 shape("rectangle", to_world(scale(4)), one_sided("0.8")), body)
+        .load();
 }
 
 std::string label(const char* use, const char* photons, const char* more = "") {
@@ -81,26 +57,18 @@ struct DirectLight {
 };
 
 DirectLight direct_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes, std::uint64_t seed = 1) {
-    const test::Rendered rendered = test::render_and_count(scene, text, passes, seed);
+    const Rendered rendered = render_and_count(scene, text, passes, seed);
     return {*rendered.image[Component::direct], rendered.counts};
 }
 
 /// The mean of `direct` over the image in each channel, as moments over seeds.
-std::array<test::Moments, 3> means_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes,
-                                      int seeds = 16) {
-    std::array<test::Moments, 3> moments;
-    for (int seed = 1; seed <= seeds; ++seed) {
-        const Colord mean = mean_of(*render(scene, text, passes, static_cast<std::uint64_t>(seed))[Component::direct]);
-        for (std::size_t c = 0; c < 3; ++c)
-            moments[c].add(mean[static_cast<int>(c)]);
-    }
-    return moments;
+std::array<Moments, 3> means_of(const LoadedScene& scene, const std::string& text, std::uint32_t passes) {
+    return means_over_seeds(scene, passes, 16, Component::direct, text);
 }
 
 /// Expects the means to differ by at most 5 standard errors of the difference (16 seeds each: by chance once in 5e4
 /// comparisons; there are about 40) and the share `bias` of the value. The errors must be small enough to show 2 %.
-void expect_equal_means(const std::array<test::Moments, 3>& found, const std::array<test::Moments, 3>& expected,
-                        double bias = 0) {
+void expect_equal_means(const std::array<Moments, 3>& found, const std::array<Moments, 3>& expected, double bias = 0) {
     for (std::size_t c = 0; c < 3; ++c) {
         const double error = std::hypot(found[c].standard_error(), expected[c].standard_error());
         EXPECT_NEAR(found[c].mean(), expected[c].mean(), 5 * error + bias * expected[c].mean()) << c;
@@ -114,9 +82,7 @@ double square_solid_angle(double a, double h) { return 4 * std::atan(a * a / (h 
 // Under a point light the floor receives I times its solid angle. Shadow photons keep all of this power, though the
 // blocker hides a part. They are emitted by a net of quasi-random numbers, so their error is far below 1 / sqrt(n).
 TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
-    const auto scene = floor_scene(blocker_xml(0.5, test::diffuse(0.5)) +
-                                   "<emitter type='point'><point name='position' x='0' y='0' z='4'/><rgb "
-                                   "name='intensity' value='3'/></emitter>");
+    const auto scene = floor_scene(blocker(0.5, diffuse(0.5)) + point_light(0, 0, 4, 3));
     const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 17, 1);
     std::map<float, double> power, arriving;  // by height above the floor
     const float floor = scene.scene->bounds().lower.z();
@@ -139,10 +105,10 @@ TEST(ShadowPhotons, LieOnEverySurfaceAsIfNothingStoodInTheWay) {
 // meets one surface, so the photons together have pi times radiance times area. The radiance, the size (twice in an
 // area), the area and each power are rounded.
 TEST(ShadowPhotons, FaintLightLosesNone) {
-    const auto scene = test::scene_of(test::scene_xml(
-        "<sensor type='perspective'/><shape type='cube'><boolean name='flip_normals' value='true'/>"
-        "<transform name='to_world'><scale value='1e-12'/></transform>" +
-        test::diffuse(0.5) + "<emitter type='area'><rgb name='radiance' value='1e-20'/></emitter></shape>"));
+    const auto scene =
+        Scene(element("sensor", "perspective"),
+              shape("cube", flag("flip_normals"), to_world(scale(1e-12)), diffuse(0.5), area_light(1e-20)))
+            .load();
     const ShadowPhotonResult result = trace_shadow_photons(*scene.scene, 1 << 14, 1);
     double sum = 0;
     for (const ShadowPhoton& photon : result.photons)
@@ -152,7 +118,7 @@ TEST(ShadowPhotons, FaintLightLosesNone) {
 }
 
 /// A hit on the floor, on the side that the lights shine at.
-SurfaceHit floor_hit(const Scene& scene, float x, float y) {
+SurfaceHit floor_hit(const gib::Scene& scene, float x, float y) {
     return scene.intersect({Vec3(x, y, scene.bounds().lower.z() - 1.f), Vec3::UnitZ()}).value();
 }
 
@@ -162,7 +128,7 @@ struct Agreement {
 
 /// Compares the verdicts on point lights with shadow rays, at points of the floor.
 Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) {
-    const Scene& scene = *loaded.scene;
+    const gib::Scene& scene = *loaded.scene;
     const ShadowPhotonSettings settings{photons, Shadows::both, 32};
     const LightVisibility map(scene, trace_shadow_photons(scene, photons, 1).photons, settings);
     RayQueries rays(scene);
@@ -187,7 +153,7 @@ Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) 
 // has a wrong verdict on average: 2 / ((n + 1) (n + 2)) if v is uniform, 1.8e-3 at n = 32. Larger regions that
 // were decided before add less than as much again.
 TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
-    const auto scene = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + points_xml());
+    const auto scene = floor_scene(blocker(0.6, diffuse(0.5)) + many_lights(false));
     std::optional<Agreement> before;
     for (const std::uint64_t photons : {1u << 14, 1u << 18, 1u << 22}) {
         const Agreement found = agreement_with_rays(scene, photons);
@@ -203,8 +169,8 @@ TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
 // The share of numbers u that lead to a light is the probability that the estimator divides by. Every light has a
 // positive one with Shadows::skip and Shadows::guide.
 TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
-    const auto loaded = floor_scene(blocker_xml(0.6, test::diffuse(0.5)) + lamps_xml());
-    const Scene& scene = *loaded.scene;
+    const auto loaded = floor_scene(blocker(0.6, diffuse(0.5)) + lamps);
+    const gib::Scene& scene = *loaded.scene;
     for (const Shadows use : {Shadows::skip, Shadows::guide, Shadows::both}) {
         const ShadowPhotonSettings settings{20000, use, 32};
         const LightVisibility map(scene, trace_shadow_photons(scene, settings.photons, 1).photons, settings);
@@ -233,7 +199,7 @@ TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
 
 // With few photons, many regions are wrong about many lights; the estimate must not depend on this.
 TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
-    const auto scene = floor_scene(blocker_xml(0.9, test::diffuse(0.5)) + lamps_xml());
+    const auto scene = floor_scene(blocker(0.9, diffuse(0.5)) + lamps);
     const auto expected = means_of(scene, "path", 256);
     for (const char* photons : {"60", "600", "60000"}) {
         SCOPED_TRACE(photons);
@@ -242,7 +208,7 @@ TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
 }
 
 TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
-    const auto scene = floor_scene(lamps_xml());
+    const auto scene = floor_scene(lamps);
     const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 4);
     const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
     EXPECT_EQ(plain.direct.rgb, skipped.direct.rgb);
@@ -255,7 +221,7 @@ TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
 
 // A blocker hides every lamp. The shadow photons report this, so no shadow ray is traced and the image is black.
 TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
-    const auto scene = floor_scene(blocker_xml(40, test::diffuse(0.5)) + lamps_xml());
+    const auto scene = floor_scene(blocker(40, diffuse(0.5)) + lamps);
     const DirectLight both = direct_of(scene, label("both", "1e5"), 4);
     EXPECT_EQ(mean_of(both.direct).maxCoeff(), 0);
     EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
@@ -285,7 +251,7 @@ double relative_bias(const LoadedScene& scene, const std::string& text, const Im
 }
 
 TEST(ShadowPhotons, BiasOfSkippingShrinksWithTheirNumber) {
-    const auto scene = floor_scene(blocker_xml(0.9, test::diffuse(0.5)) + lamps_xml());
+    const auto scene = floor_scene(blocker(0.9, diffuse(0.5)) + lamps);
     const Image truth = direct_of(scene, label("guide", "1e5"), 1 << 14, 99).direct;
     double before = infinity;
     for (const char* photons : {"1e3", "1e4", "1e5"}) {
@@ -298,7 +264,7 @@ TEST(ShadowPhotons, BiasOfSkippingShrinksWithTheirNumber) {
 }
 
 TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
-    const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{32, 24}});
+    const auto scene = shipped_scene("many-lights.xml", {{}, std::pair{32, 24}});
     const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 500000, 1).rays;
     std::map<std::string, std::uint64_t> shadow_rays;
     shadow_rays["rays"] = direct_of(scene, "photon_mapper photons=0", 4).counts.rays - 32 * 24 * 4;
@@ -314,10 +280,10 @@ TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
 
 // A mask lets half of the light through its holes, so its photons can say neither lit nor dark.
 TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
-    const std::string mask = "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>";
-    const auto holes = floor_scene(blocker_xml(40, mask) + lamps_xml());
-    const auto open = floor_scene(blocker_xml(40, "<bsdf type='null'/>") + lamps_xml());
-    const auto whole = means_of(floor_scene(lamps_xml()), "path", 128);
+    const std::string mask = bsdf("mask", number("opacity", 0.5), bsdf("diffuse"));
+    const auto holes = floor_scene(blocker(40, mask) + lamps);
+    const auto open = floor_scene(blocker(40, bsdf("null")) + lamps);
+    const auto whole = means_of(floor_scene(lamps), "path", 128);
     for (const char* use : {"skip", "guide", "both"}) {
         SCOPED_TRACE(use);
         auto half = means_of(holes, label(use, "1e5"), 128);
@@ -329,7 +295,7 @@ TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
 
 // Light through glass is a caustic, so every photon behind glass is a shadow photon.
 TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
-    const auto scene = test::shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
+    const auto scene = shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
     for (const char* use : {"skip", "guide", "both"})
         EXPECT_EQ(mean_of(direct_of(scene, label(use, "1e4"), 4).direct).maxCoeff(), 0) << use;
 }
@@ -337,25 +303,17 @@ TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
 // The lights are two lamps (one with a dark half), a point, a spot, sunlight and sky. A
 // sphere stands on the floor, under a blocker.
 TEST(ShadowPhotons, EveryKindOfLightIsRight) {
+    const std::string half_dark =
+        "<texture name='radiance' type='checkerboard'>" + rgb("color0", 0.0) + rgb("color1", "20,4,4") + "</texture>";
     const auto scene = floor_scene(
-        blocker_xml(0.7, test::diffuse(0.5)) +
-        "<shape type='sphere'><point name='center' x='0.9' y='0.2' z='0.4'/><float name='radius' value='0.4'/>" +
-        test::diffuse(0.6) +
-        "</shape><shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' "
-        "angle='180'/><translate x='-1' y='0.5' z='3.5'/></transform><bsdf type='diffuse'/><emitter "
-        "type='area'><texture "
-        "name='radiance' type='checkerboard'><rgb name='color0' value='0'/><rgb name='color1' "
-        "value='20,4,4'/></texture></emitter></shape>"
-        "<shape type='sphere'><point name='center' x='1.5' y='1' z='3'/><float name='radius' value='0.2'/><emitter "
-        "type='area'><rgb name='radiance' value='4,20,4'/></emitter></shape>"
-        "<emitter type='point'><point name='position' x='1' y='-1' z='3'/><rgb name='intensity' "
-        "value='4,4,9'/></emitter>"
-        "<emitter type='spot'><transform name='to_world'><lookat origin='-1,-2,3' target='0,0,0' "
-        "up='0,0,1'/></transform><rgb name='intensity' value='20,10,3'/><float name='cutoff_angle' "
-        "value='25'/></emitter>"
-        "<emitter type='directional'><vector name='direction' x='0.3' y='0.4' z='-1'/><rgb name='irradiance' "
-        "value='1,1,0.5'/></emitter>"
-        "<emitter type='constant'><rgb name='radiance' value='0.2,0.3,0.5'/></emitter>");
+        blocker(0.7, diffuse(0.5)) + shape("sphere", center(0.9, 0.2, 0.4), radius(0.4), diffuse(0.6)) +
+        shape("rectangle", to_world(scale(0.5), rotate('x', 180), translate(-1, 0.5, 3.5)), bsdf("diffuse"),
+              emitter("area", half_dark)) +
+        shape("sphere", center(1.5, 1, 3), radius(0.2), area_light("4,20,4")) + point_light(1, -1, 3, "4,4,9") +
+        emitter("spot", to_world(look_at("-1,-2,3", "0,0,0", "0,0,1")), rgb("intensity", "20,10,3"),
+                number("cutoff_angle", 25)) +
+        emitter("directional", vector("direction", 0.3, 0.4, -1), rgb("irradiance", "1,1,0.5")) +
+        constant_light("0.2,0.3,0.5"));
     const auto expected = means_of(scene, "path", 512);
     for (const auto& [use, bias] : {std::pair{"guide", 0.0}, std::pair{"skip", 0.003}, std::pair{"both", 0.003}}) {
         SCOPED_TRACE(use);
@@ -364,7 +322,7 @@ TEST(ShadowPhotons, EveryKindOfLightIsRight) {
 }
 
 TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
-    const auto scene = test::shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
+    const auto scene = shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
     for (const char* use : {"skip", "guide", "both"}) {
         // The photons are so many that regions are built in parallel.
         const std::string text = label(use, "1e5");
@@ -376,10 +334,7 @@ TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
 
 TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
     const auto reason_of = [](const char* file, const std::string& text) {
-        const MethodLabel parsed = MethodLabel::parse(text);
-        const auto& method = find_method("photon_mapper");
-        const auto scene = test::shipped_scene(file);
-        const Plan plan = method.create(ParameterValues(all_parameters(method), parsed), {})->plan(*scene.scene);
+        const Plan plan = ConfiguredMethod(MethodLabel::parse(text)).create({})->plan(*shipped_scene(file).scene);
         for (const auto& step : plan.steps)
             if (step.pass == pass_shadow_map) return step.runs ? std::string("runs") : step.reason;
         return std::string();
@@ -391,4 +346,4 @@ TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
 }
 
 }  // namespace
-}  // namespace gib::shadow_photons_test
+}  // namespace gib::test::shadow_photons_test

@@ -2,22 +2,15 @@
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/scene_fixtures.h"
 
-namespace gib::photon_view_test {
+namespace gib::test::photon_view_test {
 namespace {
 
-using test::mean_of;
-using test::render;
-
 LoadedScene floor_under_a_ceiling(const std::string& eye) {
-    return test::scene_of(test::scene_xml(
-        "<sensor type='orthographic'><transform name='to_world'><lookat origin='" + eye +
-        "' target='0,0,0' up='0,1,0'/></transform>" + test::box_film(128) + "</sensor><shape type='rectangle'>" +
-        test::diffuse(0.8) +
-        "</shape><shape type='rectangle'><transform name='to_world'><scale value='20'/><rotate x='1' angle='180'/>"
-        "<translate z='2'/></transform>" +
-        test::diffuse(0.8) +
-        "</shape><emitter type='point'><point name='position' x='0' y='0' z='1'/><rgb name='intensity' "
-        "value='1'/></emitter>"));
+    return Scene(element("sensor", "orthographic", to_world(look_at(eye, "0,0,0")), box_film(128)),
+                 shape("rectangle", diffuse(0.8)),
+                 shape("rectangle", to_world(scale(20), rotate('x', 180), translate(0, 0, 2)), diffuse(0.8)),
+                 point_light(0, 0, 1, 1))
+        .load();
 }
 
 // A photon lights up a disc of the given radius. If photons lie far apart, the lit share of a floor
@@ -50,7 +43,7 @@ TEST(PhotonView, ShowsTheSideThatAPhotonArrivedAt) {
 }
 
 TEST(PhotonView, ShowsEachMapInItsComponent) {
-    const auto fog = test::shipped_scene("fog.xml", {{}, std::pair{16, 16}});
+    const auto fog = shipped_scene("fog.xml", {{}, std::pair{16, 16}});
     for (const auto& [map, component] :
          {std::pair{"global", Component::indirect}, {"caustic", Component::caustic}, {"volume", Component::volume}}) {
         const auto image = render(fog, std::string("photon_view photons=2000 size=0.01 map=") + map, 2);
@@ -79,4 +72,4 @@ TEST(PhotonView, IsLeftOutWhereMethodsAreCompared) {
 }
 
 }  // namespace
-}  // namespace gib::photon_view_test
+}  // namespace gib::test::photon_view_test

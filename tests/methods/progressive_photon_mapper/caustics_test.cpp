@@ -1,17 +1,85 @@
-// Caustics with closed forms, for the methods that merge or look up photons with a shrinking radius.
+// Methods that merge or look up photons with a shrinking radius: its law and its start, and caustics with closed forms.
 
+#include "methods/parts/density/first_radius.h"
+#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/photons/photon_map.h"
+#include "methods/parts/photons/photon_walk.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
-
-#include <gtest/gtest.h>
 
 #include <array>
 #include <functional>
 #include <iostream>
 #include <numeric>
+#include <random>
 
-namespace gib::caustics_test {
+namespace gib::test::caustics_test {
 namespace {
+
+TEST(ShrinkingRadius, IsTheProductOfTheLaw) {
+    for (const double alpha : {0.3, 0.67, 0.9}) {
+        const ShrinkingRadius radius(alpha);
+        double product = 1;
+        for (std::uint64_t passes = 0; passes < 1000; ++passes) {
+            ASSERT_NEAR(std::pow(radius.on_surfaces(passes), 2) / product, 1, 1e-10);
+            ASSERT_NEAR(std::pow(radius.in_media(passes), 3) / product, 1, 1e-10);
+            const auto i = static_cast<double>(passes + 1);
+            product *= (i + alpha) / (i + 1);
+        }
+    }
+}
+
+// Photons spread evenly have no bias: the radius is the last, of those whose discs double, whose discs hold 10 at most.
+TEST(ShrinkingRadius, StartsAtTheDensityOfPhotons) {
+    const auto scene =
+        Scene(element("sensor", "orthographic", to_world(scale(0.3), look_at("0,0,0.5", "0,0,0")), box_film(32)),
+              shape("rectangle", diffuse(0.5)), emitter("constant"))
+            .load();
+    constexpr std::uint64_t count = 100000;
+    PhotonWalkResult walk = trace_photons(*scene.scene, PhotonMapKind::full, count, 3, 1);
+    std::erase_if(walk.photons, [](const Photon& photon) { return photon.surface_normal().z() < 0; });
+    const double lambda = static_cast<double>(walk.photons.size()) / 4;
+    std::uint64_t rays = 0;
+    const SeenPlaces places = seen_places(*scene.scene, {3, false, false}, 1, rays);
+    EXPECT_EQ(places.on_surfaces.size(), 8192u);
+    EXPECT_EQ(rays, 8192u);
+    const double r = first_radius(PhotonMap(walk.photons, walk.unit), 1, places.on_surfaces, 10, 2,
+                                  scene.scene->diagonal(), [](const Photon&) { return 1.0; });
+    EXPECT_LT(std::numbers::pi * r * r * lambda, 10.3);
+    EXPECT_GT(std::numbers::pi * r * r * lambda, 4.9);
+}
+
+// The density of photons is lambda (1 + a cos k x) with a = 1/2. A disc of radius r has the bias r^2 / 8 times its second
+// derivative, whose mean square is (a lambda k^2)^2 / 2, and the variance lambda / (pi r^2). Over the passes with
+// alpha = 2/3 three times the squared bias stands against the variance, and half of it is best:
+// r^6 = 64 / (3 pi a^2 lambda k^4). The search finds it within the factor of one step either way.
+TEST(ShrinkingRadius, StartsWhereBiasAndVarianceBalance) {
+    for (const double waves : {2.0, 8.0})
+        for (const auto& [count, passes] :
+             {std::pair(20000u, 1.0), std::pair(200000u, 1.0), std::pair(200000u, 10.0)}) {
+            const double k = 2 * std::numbers::pi * waves;
+            std::mt19937_64 random(count);
+            std::uniform_real_distribution<double> number(0, 1);
+            std::vector<Photon> photons;
+            std::vector<Vec3> places;
+            while (photons.size() < count) {
+                const Vec3 p(static_cast<float>(number(random)), static_cast<float>(number(random)), 0);
+                if (number(random) * 1.5 < 1 + 0.5 * std::cos(k * double{p.x()}))
+                    photons.emplace_back(p, Color::Ones(), Vec3::UnitZ(), Vec3::UnitZ(), 1);
+            }
+            for (int i = 0; i < 8192; ++i)
+                places.emplace_back(static_cast<float>(0.1 + 0.8 * number(random)),
+                                    static_cast<float>(0.1 + 0.8 * number(random)), 0.f);
+            const double expected =
+                std::pow(64 / (3 * std::numbers::pi * 0.25 * count / passes * std::pow(k, 4)), 1.0 / 6);
+            const double r =
+                first_radius(PhotonMap(photons, 1), passes, places, 1e9, 2, 1.4f, [](const Photon&) { return 1.0; });
+            EXPECT_LT(r / expected, std::numbers::sqrt2)
+                << waves << " waves, " << count << " photons, " << passes << " passes";
+            EXPECT_GT(r / expected, 1 / std::numbers::sqrt2)
+                << waves << " waves, " << count << " photons, " << passes << " passes";
+        }
+}
 
 constexpr double reflectance = 0.5, intensity = 10, index = 1.5, light_height = 2;
 constexpr int pixels = 24;
@@ -20,19 +88,16 @@ constexpr int pixels = 24;
 /// given side.
 LoadedScene lit_floor(const std::string& more, int size = pixels, double side = 1, double light = light_height,
                       double eye = 1.8) {
-    return test::scene_of(test::scene_xml(
-        "<sensor type='orthographic'><transform name='to_world'><scale value='" + std::to_string(side / 2) +
-        "'/><lookat origin='0,0," + std::to_string(eye) + "' target='0,0,0' up='0,1,0'/></transform>" +
-        test::box_film(size) +
-        "</sensor><shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>" +
-        test::diffuse(reflectance) + "</shape><emitter type='point'><point name='position' x='0' y='0' z='" +
-        std::to_string(light) + "'/><rgb name='intensity' value='10'/></emitter>" + more));
+    return Scene(element("sensor", "orthographic",
+                         to_world(scale(side / 2), look_at(fmt::format("0,0,{}", eye), "0,0,0")), box_film(size)),
+                 shape("rectangle", to_world(scale(3)), diffuse(reflectance)), point_light(0, 0, light, intensity),
+                 more)
+        .load();
 }
 
 /// A slab of glass around z, wider than the light that reaches what is seen.
 std::string slab(double z, double thickness) {
-    return "<shape type='cube'><transform name='to_world'><scale x='0.8' y='0.8' z='" + std::to_string(thickness / 2) +
-           "'/><translate z='" + std::to_string(z) + "'/></transform><bsdf type='dielectric'/></shape>";
+    return shape("cube", to_world(scale(0.8, 0.8, thickness / 2), translate(0, 0, z)), bsdf("dielectric"));
 }
 
 /// Fresnel transmittance into or out of glass, for the cosine in air.
@@ -91,16 +156,16 @@ TEST_P(HiddenSlabs, ShowTheLightOfTheClosedForm) {
         const bool is_vcm = GetParam() == "vcm";
         const std::string label = GetParam() + (is_vcm ? " radius=0.01" : " caustic_photons=4e4") +
                                   " max_depth=" + std::to_string(2 + 4 * c.slabs);
-        std::array<test::Moments, 2> rings;
+        std::array<Moments, 2> rings;
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-            const Image image = *test::render(scene, label, is_vcm ? 1536 : 64, seed)[Component::caustic];
+            const Image image = *render(scene, label, is_vcm ? 1536 : 64, seed)[Component::caustic];
             for (int ring = 0; ring < 2; ++ring)
                 rings[static_cast<std::size_t>(ring)].add(ring_mean(ring, [&](int pixel, double x) {
                     return double{image.at(static_cast<std::size_t>(pixel))[1]} /
                            radiance_under_glass(x, c.thickness, c.slabs);
                 }));
         }
-        for (const test::Moments& ring : rings) {
+        for (const Moments& ring : rings) {
             EXPECT_NEAR(ring.mean(), 1, 0.01) << label << ", standard error " << ring.standard_error();
             EXPECT_LT(ring.standard_error(), 0.0055) << label;
         }
@@ -121,7 +186,7 @@ std::vector<std::array<double, 4>> runs_of(const LoadedScene& scene, const std::
         for (std::size_t i = 0; i < measured.size(); ++i) {
             while (pass < static_cast<std::uint32_t>(measured[i]))
                 run->advance(pass++);
-            means[i] = test::mean_of(*run->image()[Component::caustic])[1];
+            means[i] = mean_of(*run->image()[Component::caustic])[1];
         }
     }
     return runs;
@@ -145,7 +210,7 @@ struct Slopes {
 Slopes slopes_of(const std::vector<std::array<double, 4>>& runs, double truth) {
     std::array<double, 4> log_n, log_bias, log_variance;
     for (std::size_t i = 0; i < 4; ++i) {
-        test::Moments moments;
+        Moments moments;
         for (const auto& run : runs)
             moments.add(run[i]);
         log_n[i] = std::log(measured[i]);
@@ -208,13 +273,12 @@ TEST(ErrorOfProgressivePhotonMapping, FallsWithoutAFloorUnderGlass) {
 
 // A mirror lies above the light, whose image shines from a height of 1.
 TEST(ErrorOfProgressivePhotonMapping, FallsWithoutAFloorUnderAMirror) {
-    const auto scene = lit_floor(
-        "<shape type='rectangle'><transform name='to_world'><scale value='0.3'/><rotate x='1' angle='180'/><translate "
-        "z='0.75'/></transform><bsdf type='conductor'><string name='material' value='none'/></bsdf></shape>",
-        1, 0.01, 0.5, 0.4);
+    const auto scene = lit_floor(shape("rectangle", to_world(scale(0.3), rotate('x', 180), translate(0, 0, 0.75)),
+                                       bsdf("conductor", text("material", "none"))),
+                                 1, 0.01, 0.5, 0.4);
     for (const double alpha : {0.5, 0.8})
         expect_theory(scene, progressive(alpha), reflectance / std::numbers::pi * intensity, alpha);
 }
 
 }  // namespace
-}  // namespace gib::caustics_test
+}  // namespace gib::test::caustics_test

@@ -7,12 +7,8 @@
 
 #include <cmath>
 
-namespace gib::final_gather_test {
+namespace gib::test::final_gather_test {
 namespace {
-
-using test::mean_of;
-using test::means_over_seeds;
-using test::render;
 
 const std::vector<std::string> ways = {
     "gather=16 source=irradiance",
@@ -39,20 +35,20 @@ void expect_the_path_tracers_mean(const LoadedScene& scene, const std::string& d
 }
 
 TEST(FinalGather, IndirectLightIsThePathTracers) {
-    expect_the_path_tracers_mean(test::shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}}), "", 0.01);
+    expect_the_path_tracers_mean(shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}}), "", 0.01);
 }
 
 // Paths are limited to 3, 4 and 6 edges, also where glass and a mirror lengthen the paths to and from a gather ray.
 TEST(FinalGather, NoPathIsLongerThanAllowed) {
-    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
-    const auto glass = test::shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{24, 24}});
+    const auto glass = shipped_scene("cornell-glass.xml", {{}, std::pair{24, 24}});
     expect_the_path_tracers_mean(box, " max_depth=3", 0.015);
     expect_the_path_tracers_mean(box, " max_depth=4", 0.015);
     expect_the_path_tracers_mean(glass, " max_depth=6", 0.02);
 }
 
 TEST(FinalGather, NeedsPathsOfThreeEdges) {
-    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{8, 8}});
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{8, 8}});
     for (const auto& way : ways)
         EXPECT_EQ(mean_of(*render(box, "photon_mapper photons=1000 max_depth=2 " + way, 1)[Component::indirect]).sum(),
                   0)
@@ -72,7 +68,7 @@ double relative_error(const Image& image, const Image& truth) {
 // More rays, records and photons bring the image nearer to the truth at every
 // step, until the truth's own noise is reached.
 TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
-    const auto box = test::shipped_scene("cornell-box.xml", {{}, std::pair{48, 48}});
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{48, 48}});
     const Image truth = *render(box, "photon_mapper source=paths gather=256 photons=0", 64, 99)[Component::indirect];
     for (const std::string source : {"irradiance", "paths"}) {
         double previous = infinity;
@@ -94,7 +90,7 @@ TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
 // gathering must be as near to the path tracer's image as the density estimate that ends where the
 // surface does. A leak would make ten times the error.
 TEST(FinalGather, LeaksNotThroughThinWalls) {
-    const auto wall = test::shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
+    const auto wall = shipped_scene("thin-wall.xml", {{}, std::pair{32, 24}});
     const Image truth = *render(wall, "path", 1024, 99)[Component::indirect];
     const std::string photons = "photon_mapper photons=5e5 caustic_photons=1000 ";
     const double estimate = relative_error(*render(wall, photons, 4)[Component::indirect], truth);
@@ -106,7 +102,7 @@ TEST(FinalGather, LeaksNotThroughThinWalls) {
 // blur. An estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)). A pixel is the mean of many
 // estimates, 4 or more of which do not overlap.
 TEST(FinalGather, FurnaceIsEven) {
-    const auto furnace = test::shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
+    const auto furnace = shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
     for (const auto& way : ways) {
         const Image indirect = *render(furnace, "photon_mapper photons=100000 " + way, 4)[Component::indirect];
         EXPECT_NEAR(4 * mean_of(indirect).mean(), 1, 0.015) << way;
@@ -121,7 +117,7 @@ TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
     const auto& method = find_method("photon_mapper");
     const auto plan_of = [&](const char* file, const std::vector<std::pair<std::string, std::string>>& values) {
         return method.create(ParameterValues(all_parameters(method), {"photon_mapper", values}), {})
-            ->plan(*test::shipped_scene(file).scene);
+            ->plan(*shipped_scene(file).scene);
     };
     const Plan none = plan_of("cornell-box.xml", {{"photons", "1000"}});
     EXPECT_FALSE(none.runs("final gathering"));
@@ -138,4 +134,4 @@ TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
 }
 
 }  // namespace
-}  // namespace gib::final_gather_test
+}  // namespace gib::test::final_gather_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gib::precomputed_irradiance_test {
+namespace gib::test::precomputed_irradiance_test {
 namespace {
 
 /// Photons of power 1 / count each, uniform on the square [-1, 1]^2 of a floor,
@@ -33,9 +33,39 @@ std::vector<Photon> even_photons_in_a_room(std::size_t count, float half) {
     return photons;
 }
 
-LoadedScene floor_scene() {
-    return test::scene_of(test::scene_xml("<sensor type='perspective'/><shape type='rectangle'/>"));
+LoadedScene floor_scene() { return Scene(element("sensor", "perspective"), shape("rectangle")).load(); }
+
+double power_of(const std::vector<Photon>& photons) {
+    double power = 0;
+    for (const Photon& photon : photons)
+        power += static_cast<double>(photon.power().x());
+    return power;
 }
+
+/// Look-ups in the irradiance at these places that a map of `photons` makes.
+struct LookUps {
+    LookUps(const LoadedScene& loaded, const std::vector<Photon>& places, std::vector<Photon> photons, std::size_t k,
+            float max_radius = 1.f, int max_edges = 100, double unit = 1, std::uint64_t seed = 1)
+        : rays(*loaded.scene),
+          map(std::move(photons), unit),
+          irradiance(*loaded.scene, places, map, DensityEstimator{Kernel::uniform, k, max_radius, DiscArea::surface},
+                     max_edges, seed, traced, nullptr),
+          widest(max_radius) {
+        EXPECT_EQ(irradiance.size(), places.size());
+    }
+    /// The irradiance below `eye`, on the side of the normal (0, 0, side).
+    std::optional<Color> below(const Vec3& eye, float side = 1.f) {
+        const auto hit = rays.intersect({eye, Vec3(0, 0, -1)});
+        EXPECT_TRUE(hit);
+        return irradiance.at(rays, *hit, Vec3(0, 0, side), infinity, widest);
+    }
+
+    RayQueries rays;
+    PhotonMap map;
+    std::uint64_t traced = 0;
+    PrecomputedIrradiance irradiance;
+    float widest;
+};
 
 TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     auto photons = even_photons(8000, 1);
@@ -43,10 +73,7 @@ TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     // The bound is 5 standard deviations of a binomial count.
     EXPECT_NEAR(static_cast<double>(places.size()), 1000, 5 * std::sqrt(8000 * 7 / 64.0));
     EXPECT_EQ(photons.size() + places.size(), 8000u);
-    double power = 0;
-    for (const Photon& photon : photons)
-        power += static_cast<double>(photon.power().x());
-    EXPECT_NEAR(power, static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
+    EXPECT_NEAR(power_of(photons), static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
 // Twelve places in a disc of k photons, but one in eight photons at most, and 4096 places at least.
@@ -60,10 +87,7 @@ TEST(PrecomputedIrradiance, HasTwelvePlacesInADisc) {
     const auto places = take_places(photons, 100);
     // The bound is 5 standard deviations of a binomial count.
     EXPECT_NEAR(static_cast<double>(places.size()), 800, 5 * std::sqrt(80000 * 99 / 1e4));
-    double power = 0;
-    for (const Photon& photon : photons)
-        power += static_cast<double>(photon.power().x());
-    EXPECT_NEAR(power, static_cast<double>(photons.size()) / 79200, 2 * 0x1p-16) << "rounded twice";
+    EXPECT_NEAR(power_of(photons), static_cast<double>(photons.size()) / 79200, 2 * 0x1p-16) << "rounded twice";
 }
 
 // At points that are independent of the photons, the mean irradiance over 200 maps is right within 5 standard errors
@@ -71,25 +95,17 @@ TEST(PrecomputedIrradiance, HasTwelvePlacesInADisc) {
 // 1 / k at the places, and too small by about 1 / k around them.
 TEST(PrecomputedIrradiance, IsRightInTheMean) {
     const auto loaded = floor_scene();
-    const Scene& scene = *loaded.scene;
-    RayQueries rays(scene);
-    test::Moments mean;
+    Moments mean;
     int asked = 0, answered = 0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         auto photons = even_photons(4000, seed);
         const auto places = take_places(photons);
-        const PhotonMap map(std::move(photons), 1);
-        const DensityEstimator estimator{Kernel::uniform, 50, 1.f, DiscArea::surface};
-        std::uint64_t traced = 0;
-        const PrecomputedIrradiance irradiance(scene, places, map, estimator, 100, seed, traced, nullptr);
-        EXPECT_EQ(irradiance.size(), places.size());
+        LookUps look_ups(loaded, places, std::move(photons), 50, 1.f, 100, 1, seed);
         double sum = 0;
         int points = 0;
         for (float x = -0.6f; x < 0.65f; x += 0.1f)
             for (float y = -0.6f; y < 0.65f; y += 0.1f) {
-                const auto hit = rays.intersect({Vec3(x, y, 1), Vec3(0, 0, -1)});
-                ASSERT_TRUE(hit);
-                const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f);
+                const auto E = look_ups.below(Vec3(x, y, 1));
                 ++asked;
                 if (!E) continue;  // no place within its disc's width: 7 places a disc, so e^-7
                 sum += static_cast<double>(E->x());
@@ -107,16 +123,10 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
 // floats. It must lose nothing on its way.
 TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
     const auto loaded = floor_scene();
-    RayQueries rays(*loaded.scene);
     const auto irradiance_of = [&](double unit) {
         auto photons = even_photons(8000, 3);
         const auto places = take_places(photons);
-        const PhotonMap map(std::move(photons), unit);
-        const DensityEstimator estimator{Kernel::uniform, 200, 1.f, DiscArea::surface};
-        std::uint64_t traced = 0;
-        const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
-        const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-        return irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f).value().x();
+        return LookUps(loaded, places, std::move(photons), 200, 1.f, 100, unit).below(Vec3(0.1f, 0.1f, 1)).value().x();
     };
     EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
 }
@@ -126,36 +136,24 @@ TEST(PrecomputedIrradiance, CountsNoPhotonOfALongerPath) {
     const auto loaded = floor_scene();
     auto photons = even_photons(80000, 3);
     const auto places = take_places(photons);
-    const PhotonMap map(std::move(photons), 1);
-    const DensityEstimator estimator{Kernel::uniform, 2000, 1.f, DiscArea::surface};
-    std::uint64_t traced = 0;
-    const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 1, 1, traced, nullptr);
-    RayQueries rays(*loaded.scene);
-    const auto hit = rays.intersect({Vec3(0.1f, 0.1f, 1), Vec3(0, 0, -1)});
-    EXPECT_NEAR(irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, 1.f)->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
-    EXPECT_FALSE(irradiance.at(rays, *hit, Vec3(0, 0, -1), infinity, 1.f)) << "the other side";
+    LookUps look_ups(loaded, places, std::move(photons), 2000, 1.f, 1);
+    EXPECT_NEAR(look_ups.below(Vec3(0.1f, 0.1f, 1))->x(), 0.125, 0.125 * 5 / std::sqrt(2000.0));
+    EXPECT_FALSE(look_ups.below(Vec3(0.1f, 0.1f, 1), -1.f)) << "the other side";
 }
 
 // A wall stands on the floor at x = 0. Beyond it there is 1000 times the light, and the nearest place lies there; the
 // next one, on the side of the hit, serves instead. The bound is 5 standard deviations of the 400 photons of an estimate.
 TEST(PrecomputedIrradiance, APlaceBehindAWallIsPassedOver) {
     const auto loaded =
-        test::scene_of(test::scene_xml("<sensor type='perspective'/><shape type='rectangle'/><shape type='rectangle'>"
-                                       "<transform name='to_world'><rotate y='1' angle='90'/></transform></shape>"));
+        Scene(element("sensor", "perspective"), shape("rectangle"), shape("rectangle", to_world(rotate('y', 90))))
+            .load();
     auto photons = even_photons(20000, 1);
     for (Photon& photon : photons)
         if (photon.p.x() < 0.f) photon.set_power(1000.f * photon.power());
-    const PhotonMap map(std::move(photons), 1);
     const Vec3 up(0, 0, 1);
     const std::vector<Photon> places = {{Vec3(-0.01f, 0.3f, 0), Color::Ones(), up, up, 1},
                                         {Vec3(0.06f, 0.3f, 0), Color::Ones(), up, up, 1}};
-    const DensityEstimator estimator{Kernel::uniform, 400, 1.f, DiscArea::surface};
-    std::uint64_t traced = 0;
-    const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
-    RayQueries rays(*loaded.scene);
-    const auto hit = rays.intersect({Vec3(0.01f, 0.3f, 0.5f), Vec3(0, 0, -1)});
-    ASSERT_TRUE(hit);
-    const auto E = irradiance.at(rays, *hit, up, infinity, 1.f);
+    const auto E = LookUps(loaded, places, std::move(photons), 400).below(Vec3(0.01f, 0.3f, 0.5f));
     ASSERT_TRUE(E);
     EXPECT_NEAR(4 * E->x(), 1.f, 5 * 0.05f);
 }
@@ -164,26 +162,17 @@ TEST(PrecomputedIrradiance, APlaceBehindAWallIsPassedOver) {
 // The bound is 5 standard deviations of the number of photons below the points, 7 / 8 of 4000 on 0.6^2 of the floor.
 TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
     constexpr float half = 1e-6f;
-    const auto loaded = test::scene_of(
-        test::scene_xml("<sensor type='perspective'/>"
-                        "<shape type='rectangle'><transform name='to_world'><translate z='1'/></transform></shape>"
-                        "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform></shape>"
-                        "<shape type='cube'><transform name='to_world'><scale value='1e-6'/></transform>" +
-                        test::diffuse(0.5) + "</shape>"));
+    const auto loaded =
+        Scene(element("sensor", "perspective"), shape("rectangle", to_world(translate(0, 0, 1))),
+              shape("rectangle", to_world(translate(0, 0, -1))), shape("cube", to_world(scale(1e-6)), diffuse(0.5)))
+            .load();
     auto photons = even_photons_in_a_room(4000, half);
     const auto places = take_places(photons);
-    const PhotonMap map(std::move(photons), 1);
-    const DensityEstimator estimator{Kernel::uniform, 50, half, DiscArea::surface};
-    std::uint64_t traced = 0;
-    const PrecomputedIrradiance irradiance(*loaded.scene, places, map, estimator, 100, 1, traced, nullptr);
-    EXPECT_EQ(irradiance.size(), places.size());
-    RayQueries rays(*loaded.scene);
-    test::Moments mean;
+    LookUps look_ups(loaded, places, std::move(photons), 50, half);
+    Moments mean;
     for (float x = -0.6f; x < 0.65f; x += 0.1f)
         for (float y = -0.6f; y < 0.65f; y += 0.1f) {
-            const auto hit = rays.intersect({half * Vec3(x, y, 0), Vec3(0, 0, -1)});
-            ASSERT_TRUE(hit);
-            const auto E = irradiance.at(rays, *hit, Vec3(0, 0, 1), infinity, half);
+            const auto E = look_ups.below(half * Vec3(x, y, 0));
             ASSERT_TRUE(E);
             mean.add(4 * static_cast<double>(E->x()));
         }
@@ -191,4 +180,4 @@ TEST(PrecomputedIrradiance, KnowsTheFloorOfARoomThatIsSmallBesideTheScene) {
 }
 
 }  // namespace
-}  // namespace gib::precomputed_irradiance_test
+}  // namespace gib::test::precomputed_irradiance_test

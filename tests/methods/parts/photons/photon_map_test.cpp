@@ -9,10 +9,8 @@
 #include <functional>
 #include <numeric>
 
-namespace gib::photon_map_test {
+namespace gib::test::photon_map_test {
 namespace {
-
-using test::scene_of;
 
 std::vector<Photon> random_photons(std::size_t n, std::uint64_t seed, float z_extent) {
     std::vector<Photon> photons(n);
@@ -96,14 +94,12 @@ TEST(PhotonMap, FindsTheSamePhotonsAsASearchOverAll) {
 
 TEST(PhotonMap, HoldsEveryPhotonOnceWithAllThatItCarries) {
     std::vector<Photon> photons = random_photons(5003, 1, 1.f);
-    for (std::size_t i = 0; i < photons.size(); ++i)
-        photons[i] = {photons[i].p,
-                      Color::Constant(static_cast<float>(i)),
-                      Vec3::UnitX(),
-                      Vec3::UnitY(),
-                      static_cast<int>(i),
-                      i % 2 == 0,
-                      static_cast<int>(i % 32)};
+    for (std::size_t i = 0; i < photons.size(); ++i) {
+        const auto number = static_cast<int>(i);
+        photons[i] = {
+            photons[i].p, Color::Constant(static_cast<float>(i)), Vec3::UnitX(), Vec3::UnitY(), number, i % 2 == 0,
+            number % 32};
+    }
     const PhotonMap map(photons, 1);
     std::vector<int> seen(photons.size(), 0);
     for (std::size_t i = 0; i < map.size(); ++i) {
@@ -192,13 +188,13 @@ TEST(PhotonMap, LargeKMeetsFewPhotonsInVain) {
 
 /// nanoflann finds the same photons of the Cornell box's global map within the same distances.
 TEST(PhotonMap, FindsWhatNanoflannFinds) {
-    const auto scene = test::shipped_scene("cornell-box.xml");
+    const auto scene = shipped_scene("cornell-box.xml");
     const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
     const PhotonMap map(walk.photons, 1);
-    test::NanoflannCloud cloud;
+    NanoflannCloud cloud;
     for (std::size_t i = 0; i < map.size(); ++i)
         cloud.points.push_back(map[i].p);
-    const test::NanoflannTree yardstick(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+    const NanoflannTree yardstick(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
     Neighbours found;
     std::vector<std::uint32_t> index(200);
     std::vector<float> distance2(200);
@@ -273,4 +269,4 @@ TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace gib::photon_map_test
+}  // namespace gib::test::photon_map_test

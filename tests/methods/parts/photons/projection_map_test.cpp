@@ -11,85 +11,70 @@
 #include <functional>
 #include <limits>
 
-namespace gib::projection_map_test {
+namespace gib::test::projection_map_test {
 namespace {
 
 constexpr int unlimited = std::numeric_limits<int>::max();
+
+const std::string tiny_camera = element("sensor", "perspective", box_film(4));
 
 struct LightCase {
     std::string name, xml;
 };
 
-std::string emitting(const std::string& type, const std::string& placing, const std::string& parameters = "",
-                     const std::string& radiance = "<rgb name='radiance' value='3, 2, 1'/>") {
-    return "<shape type='" + type + "'>" + parameters + "<transform name='to_world'>" + placing +
-           "</transform><bsdf type='diffuse'><rgb name='reflectance' value='0.2'/></bsdf><emitter type='area'>" +
-           radiance + "</emitter></shape>";
+std::string emitting(const std::string& type, const std::string& placing, const std::string& more = "",
+                     const std::string& radiance = rgb("radiance", "3, 2, 1")) {
+    return shape(type, more, to_world(placing), one_sided("0.2"), emitter("area", radiance));
 }
 
 /// The place of a lamp: 2 to 3 above the floor and turned so that none of its axes is one of the world's.
-const std::string leaning = "<rotate x='1' angle='160'/><rotate z='1' angle='35'/><translate x='-1' y='0.5' z='2.5'/>";
+const std::string leaning = rotate('x', 160) + rotate('z', 35) + translate(-1, 0.5, 2.5);
 
-std::vector<LightCase> light_cases(const test::TemporaryFolder& folder) {
-    const std::string texture =
-        "<texture type='checkerboard' name='radiance'><rgb name='color0' value='4'/><rgb name='color1' value='0'/>"
-        "<transform name='to_uv'><scale value='2'/></transform></texture>";
-    const std::string mesh = "<string name='filename' value='" + test::source_path("scenes/meshes/");
-    const std::string image = test::envmap_xml(
-        folder,
-        test::image_of(16, 9, [](int x, int y) { return Color(test::noise(x, y) * (x == 5 && y == 2 ? 90.f : 1.f)); }),
-        "<transform name='to_world'><rotate x='1' angle='70'/><rotate z='1' angle='20'/></transform>");
-    const std::string at = "<point name='position' x='-1' y='0.5' z='2.5'/>";
-    const std::string aim =
-        "<transform name='to_world'><lookat origin='-1,0.5,2.5' target='0,0.4,0' up='0,1,0'/></transform>";
+std::vector<LightCase> light_cases(const TemporaryFolder& folder) {
+    const std::string texture = "<texture type='checkerboard' name='radiance'>" + rgb("color0", 4.0) +
+                                rgb("color1", 0.0) + "<transform name='to_uv'>" + scale(2) + "</transform></texture>";
+    const auto mesh = [](const char* file) { return text("filename", source_path("scenes/meshes/") + file); };
+    const std::string image = envmap_xml(
+        folder, image_of(16, 9, [](int x, int y) { return Color(noise(x, y) * (x == 5 && y == 2 ? 90.f : 1.f)); }),
+        to_world(rotate('x', 70), rotate('z', 20)));
+    const std::string at = point("position", -1, 0.5, 2.5);
+    const std::string aim = to_world(look_at("-1,0.5,2.5", "0,0.4,0"));
+    const std::string wide = scale(0.3, 0.6, 1) + leaning, inside = flag("flip_normals");
     return {
-        {"rectangle", emitting("rectangle", "<scale x='0.3' y='0.6'/>" + leaning)},
-        {"disk", emitting("disk", "<scale x='0.3' y='0.6'/>" + leaning)},
-        {"sphere", emitting("sphere", "<scale value='0.4'/>" + leaning)},
-        {"sphere around", emitting("sphere", "<scale value='6'/>", "<boolean name='flip_normals' value='true'/>")},
-        {"cylinder", emitting("cylinder", "<scale x='0.2' y='0.2' z='1.5'/>" + leaning)},
-        {"cylinder along z", emitting("cylinder", "<scale x='0.2' y='0.2'/><translate x='-1' y='0.5' z='2'/>")},
-        {"cylinder inside",
-         emitting("cylinder", "<scale x='0.7' y='0.7'/>" + leaning, "<boolean name='flip_normals' value='true'/>")},
-        {"cube", emitting("cube", "<scale value='0.3'/>" + leaning)},
-        {"mesh", emitting("obj", "<scale value='0.4'/>" + leaning, mesh + "square-10x10.obj'/>")},
-        {"hollow mesh", emitting("obj", "<scale value='0.8'/>" + leaning, mesh + "wedge.obj'/>")},
-        {"textured rectangle", emitting("rectangle", "<scale x='0.3' y='0.6'/>" + leaning, "", texture)},
-        {"textured sphere", emitting("sphere", "<scale value='0.4'/>" + leaning, "", texture)},
-        {"sunsky", "<emitter type='sunsky'><vector name='sun_direction' value='1 2 4'/></emitter>"},
-        {"point", "<emitter type='point'>" + at + "</emitter>"},
-        {"spot", "<emitter type='spot'>" + aim + "<float name='cutoff_angle' value='35'/></emitter>"},
-        {"wide spot", "<emitter type='spot'>" + aim +
-                          "<float name='cutoff_angle' value='140'/><float name='beam_width' value='0'/></emitter>"},
-        {"projector", "<emitter type='projector'>" + aim + "<float name='fov' value='60'/></emitter>"},
-        {"directional", "<emitter type='directional'><vector name='direction' x='0.3' y='0.4' z='-1'/></emitter>"},
-        {"level directional", "<emitter type='directional'><vector name='direction' x='0.6' y='0.8' z='0'/></emitter>"},
-        {"constant", "<emitter type='constant'/>"},
+        {"rectangle", emitting("rectangle", wide)},
+        {"disk", emitting("disk", wide)},
+        {"sphere", emitting("sphere", scale(0.4) + leaning)},
+        {"sphere around", emitting("sphere", scale(6), inside)},
+        {"cylinder", emitting("cylinder", scale(0.2, 0.2, 1.5) + leaning)},
+        {"cylinder along z", emitting("cylinder", scale(0.2, 0.2, 1) + translate(-1, 0.5, 2))},
+        {"cylinder inside", emitting("cylinder", scale(0.7, 0.7, 1) + leaning, inside)},
+        {"cube", emitting("cube", scale(0.3) + leaning)},
+        {"mesh", emitting("obj", scale(0.4) + leaning, mesh("square-10x10.obj"))},
+        {"hollow mesh", emitting("obj", scale(0.8) + leaning, mesh("wedge.obj"))},
+        {"textured rectangle", emitting("rectangle", wide, "", texture)},
+        {"textured sphere", emitting("sphere", scale(0.4) + leaning, "", texture)},
+        {"sunsky", emitter("sunsky", value_element("vector", "sun_direction", "1 2 4"))},
+        {"point", emitter("point", at)},
+        {"spot", emitter("spot", aim, number("cutoff_angle", 35))},
+        {"wide spot", emitter("spot", aim, number("cutoff_angle", 140), number("beam_width", 0))},
+        {"projector", emitter("projector", aim, number("fov", 60))},
+        {"directional", emitter("directional", vector("direction", 0.3, 0.4, -1))},
+        {"level directional", emitter("directional", vector("direction", 0.6, 0.8, 0))},
+        {"constant", emitter("constant")},
         {"envmap", image},
-        {"two lights", "<emitter type='point'>" + at + "<rgb name='intensity' value='1'/></emitter>" +
-                           emitting("disk", "<scale value='0.2'/><rotate x='1' angle='180'/><translate x='2' z='3'/>")},
+        {"two lights", emitter("point", at, rgb("intensity", 1.0)) +
+                           emitting("disk", scale(0.2) + rotate('x', 180) + translate(2, 0, 3))},
     };
 }
 
 /// A mirror and a glass body on a floor beside a wall, with a disk in front of them, lit by `light`.
 LoadedScene scene_lit_by(const std::string& light) {
-    return test::scene_of(test::scene_xml(
-        "<sensor type='perspective'>" + test::box_film(4) +
-        "</sensor>"
-        "<shape type='rectangle'><transform name='to_world'><scale value='3'/></transform>" +
-        test::diffuse(0.6) +
-        "</shape>"
-        "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='90'/><translate y='3' "
-        "z='2'/></transform>" +
-        test::diffuse(0.5) +
-        "</shape>"
-        "<shape type='sphere'><point name='center' x='0.8' y='0' z='0.5'/><float name='radius' value='0.45'/>"
-        "<bsdf type='conductor'><rgb name='specular_reflectance' value='0.9'/></bsdf></shape>"
-        "<shape type='cube'><transform name='to_world'><scale value='0.3'/><rotate z='1' angle='30'/>"
-        "<translate x='-0.3' y='0.8' z='0.4'/></transform><bsdf type='dielectric'/></shape>"
-        "<shape type='disk'><transform name='to_world'><scale value='0.2'/><translate x='0' y='0.3' "
-        "z='1.6'/></transform>" +
-        test::diffuse(0.4) + "</shape>" + light));
+    return Scene(tiny_camera, shape("rectangle", to_world(scale(3)), diffuse(0.6)),
+                 shape("rectangle", to_world(rotate('x', 90), translate(0, 3, 2)), diffuse(0.5)))
+        .sphere(0.8, 0, 0.5, 0.45, bsdf("conductor", rgb("specular_reflectance", 0.9)))
+        .add(shape("cube", to_world(scale(0.3), rotate('z', 30), translate(-0.3, 0.8, 0.4)), bsdf("dielectric")),
+             shape("disk", to_world(scale(0.2), translate(0, 0.3, 1.6)), diffuse(0.4)), light)
+        .load();
 }
 
 /// A sequence of random numbers; each call of next() takes a new dimension.
@@ -108,12 +93,12 @@ private:
 
 using Point4 = std::array<float, 4>;
 
-EmissionSample emit(const Scene& scene, std::size_t light, const Point4& x) {
+EmissionSample emit(const gib::Scene& scene, std::size_t light, const Point4& x) {
     return sample_emission(scene.lights()[light], scene.shapes(), Vec2(x[0], x[1]), Vec2(x[2], x[3]));
 }
 
 /// A random box of the kind that refinement makes, by up to 24 cuts.
-EmissionBox random_box(const Scene& scene, std::size_t light, Numbers& u) {
+EmissionBox random_box(const gib::Scene& scene, std::size_t light, Numbers& u) {
     EmissionBox box;
     const std::size_t cuts = u.below(25);
     for (std::size_t i = 0; i < cuts; ++i) {
@@ -154,10 +139,10 @@ bool holds(const RayBundle& bundle, const Ray& ray) {
 
 // For every light, 10 rays are drawn in each of 1e4 boxes; none lies outside its box's bundle.
 TEST(EmissionBounds, HoldEveryRayOfABox) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
         const auto scene = scene_lit_by(xml);
-        const Scene& s = *scene.scene;
+        const gib::Scene& s = *scene.scene;
         int outside = 0;
         double half_angles = 0;
         for (std::uint64_t i = 0; i < 10000; ++i) {
@@ -214,7 +199,7 @@ TEST(EmissionBounds, OfAMeshScaleWithIt) {
 }
 
 /// Whether the ray meets a surface that is a target, first or behind others.
-bool meets(const Scene& scene, Ray ray, TargetSurfaces targets) {
+bool meets(const gib::Scene& scene, Ray ray, TargetSurfaces targets) {
     for (int surfaces = 0; surfaces < 64; ++surfaces) {
         const auto hit = scene.intersect(ray);
         if (!hit) return false;
@@ -235,10 +220,10 @@ bool lies_in(const ProjectionMap& map, std::size_t light, const Point4& x) {
 
 // Each of 1e5 rays of every light that meets a target lies in a kept bin.
 TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
         const auto scene = scene_lit_by(xml);
-        const Scene& s = *scene.scene;
+        const gib::Scene& s = *scene.scene;
         for (const TargetSurfaces targets : {TargetSurfaces::specular, TargetSurfaces::all}) {
             const ProjectionMap map(s, targets, targets == TargetSurfaces::all ? 1 << 12 : 1 << 14);
             int met = 0, lost = 0;
@@ -266,10 +251,10 @@ TEST(ProjectionMap, KeepsEveryRayThatMeetsATarget) {
 
 /// The stored power of independent walks and its mean place.
 struct StoredPower {
-    test::Moments power;
-    std::array<test::Moments, 3> place;
+    Moments power;
+    std::array<Moments, 3> place;
 };
-StoredPower stored_power(const Scene& scene, PhotonMapKind kind, const ProjectionMap* aim) {
+StoredPower stored_power(const gib::Scene& scene, PhotonMapKind kind, const ProjectionMap* aim) {
     StoredPower result;
     for (std::uint64_t seed = 1; seed <= 32; ++seed) {
         double power = 0;
@@ -287,14 +272,14 @@ StoredPower stored_power(const Scene& scene, PhotonMapKind kind, const Projectio
     return result;
 }
 
-void expect_equal(const test::Moments& a, const test::Moments& b, const std::string& what) {
+void expect_equal(const Moments& a, const Moments& b, const std::string& what) {
     EXPECT_NEAR(a.mean(), b.mean(), 5 * std::hypot(a.standard_error(), b.standard_error())) << what;
 }
 
 // 160 means agree, each within 5 standard errors of 32 walks (Student's t with 62 degrees of freedom: 5e-6 each, 1e-3
 // together). The powers are known to 3 %, and better if photons are aimed.
 TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     for (const auto& [name, xml] : light_cases(folder)) {
         const auto scene = scene_lit_by(xml);
         for (const PhotonMapKind kind : {PhotonMapKind::caustic, PhotonMapKind::global}) {
@@ -317,16 +302,13 @@ TEST(ProjectionMap, AimedPhotonsStoreTheSamePowerInTheSamePlaces) {
 
 /// A mirror sphere at the distance 3 from the origin, with a light and `more`.
 LoadedScene mirror_and(const std::string& light, const std::string& more = "") {
-    return test::scene_of(test::scene_xml("<sensor type='perspective'>" + test::box_film(4) + "</sensor>" +
-                                          "<shape type='sphere'><point name='center' x='1' y='2' z='-2'/>"
-                                          "<float name='radius' value='0.6'/><bsdf type='conductor'/></shape>" +
-                                          more + light));
+    return Scene(tiny_camera).sphere(1, 2, -2, 0.6, bsdf("conductor")).add(more, light).load();
 }
 
 // As seen from the origin, the sphere fills (1 - cos) / 2 of all directions, where
 // sin = 0.6 / 3; the bins may keep a rim besides.
 TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
-    const auto scene = mirror_and("<emitter type='point'/>");
+    const auto scene = mirror_and(emitter("point"));
     const double truth = 0.5 * (1 - std::sqrt(1 - sqr(0.2)));
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular);
     EXPECT_GE(map.kept(0), truth);
@@ -337,24 +319,19 @@ TEST(ProjectionMap, KeepsLittleMoreThanTheSolidAngle) {
 // spherical lamp of the same power sends as much.
 TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
     for (const auto& at :
-         {Vec3(0, 0, 1e4f), Vec3(0, 0, -1e4f), Vec3(1e4f, 0, 0), Vec3(0, -1e4f, 0), Vec3(0, 6e3f, 8e3f)})
+         {Vec3d(0, 0, 1e4), Vec3d(0, 0, -1e4), Vec3d(1e4, 0, 0), Vec3d(0, -1e4, 0), Vec3d(0, 6e3, 8e3)})
         for (const bool sphere : {false, true}) {
-            const std::string place = fmt::format("x='{}' y='{}' z='{}'", at.x(), at.y(), at.z());
-            const std::string lamp =
-                sphere ? "<shape type='sphere'><point name='center' " + place +
-                             "/><float name='radius' value='10'/><emitter type='area'><rgb name='radiance' value='" +
-                             fmt::format("{}", 1e8 / std::numbers::pi / 100) + "'/></emitter></shape>"
-                       : "<emitter type='point'><point name='position' " + place +
-                             "/><rgb name='intensity' value='1e8'/></emitter>";
+            const std::string lamp = sphere ? shape("sphere", center(at.x(), at.y(), at.z()), radius(10),
+                                                    area_light(1e8 / std::numbers::pi / 100))
+                                            : point_light(at.x(), at.y(), at.z(), 1e8);
             // The square stands around the origin and faces the lamp.
-            const std::string facing =
-                "<shape type='rectangle'><transform name='to_world'><lookat origin='0,0,0' target='" +
-                fmt::format("{},{},{}", at.x(), at.y(), at.z()) +
-                "' up='1,2,3'/></transform><bsdf type='diffuse'/></shape>";
-            const auto scene = test::scene_of(
-                test::scene_xml("<sensor type='perspective'>" + test::box_film(4) + "</sensor>" + facing + lamp));
+            const std::string target = fmt::format("{},{},{}", at.x(), at.y(), at.z());
+            const auto scene =
+                Scene(tiny_camera, shape("rectangle", to_world(look_at("0,0,0", target, "1,2,3")), bsdf("diffuse")),
+                      lamp)
+                    .load();
             const ProjectionMap map(*scene.scene, TargetSurfaces::all, 1 << 12);
-            test::Moments stored;
+            Moments stored;
             for (std::uint64_t seed = 1; seed <= 8; ++seed) {
                 double power = 0;
                 const auto walk = trace_photons(*scene.scene, PhotonMapKind::full, 20000, 8, seed, &map);
@@ -362,27 +339,24 @@ TEST(ProjectionMap, FindsASceneThatIsFarAwayOnAnyAxis) {
                     power += walk.unit * photon.power().cast<double>().mean();
                 stored.add(power);
             }
-            EXPECT_NEAR(stored.mean(), 4, 6 * stored.standard_error() + 0.004) << place << (sphere ? " sphere" : "");
-            EXPECT_LT(stored.standard_error(), 0.2) << place;
+            EXPECT_NEAR(stored.mean(), 4, 6 * stored.standard_error() + 0.004) << target << (sphere ? " sphere" : "");
+            EXPECT_LT(stored.standard_error(), 0.2) << target;
         }
 }
 
 // The voxels of the lamp's grid are smaller than the distance of two floats; the halving of its triangles must end.
 TEST(ProjectionMap, ALampOfSomeUlpsIsATarget) {
     for (const float side : {1e-5f, 1e-6f, 3e-7f}) {
-        const auto scene = mirror_and("<shape type='rectangle'><transform name='to_world'><scale value='" +
-                                      fmt::format("{}", 0.5f * side) +
-                                      "'/><rotate x='1' angle='180'/><translate x='3.3' y='2.1' "
-                                      "z='5'/></transform><emitter type='area'/></shape>");
+        const auto scene = mirror_and(shape(
+            "rectangle", to_world(scale(static_cast<double>(0.5f * side)), rotate('x', 180), translate(3.3, 2.1, 5)),
+            emitter("area")));
         const ProjectionMap map(*scene.scene, TargetSurfaces::all, 1 << 10);
         EXPECT_GT(map.kept(0), 0) << side;
     }
 }
 
 TEST(ProjectionMap, IsEmptyWhereNoLightReachesATarget) {
-    const auto scene = mirror_and(
-        "<emitter type='spot'><transform name='to_world'><lookat origin='0,0,0' "
-        "target='-1,-2,2' up='0,1,0'/></transform></emitter>");
+    const auto scene = mirror_and(emitter("spot", to_world(look_at("0,0,0", "-1,-2,2"))));
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular);
     EXPECT_TRUE(map.empty());
     EXPECT_TRUE(map.aims());
@@ -390,9 +364,7 @@ TEST(ProjectionMap, IsEmptyWhereNoLightReachesATarget) {
 }
 
 TEST(ProjectionMap, KeepsEverythingForALampInsideGlass) {
-    const auto scene =
-        mirror_and("<shape type='sphere'><float name='radius' value='0.1'/><emitter type='area'/></shape>",
-                   "<shape type='sphere'><bsdf type='dielectric'/></shape>");
+    const auto scene = mirror_and(shape("sphere", radius(0.1), emitter("area")), shape("sphere", bsdf("dielectric")));
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular);
     EXPECT_FALSE(map.aims());
     EXPECT_EQ(map.kept(0), 1);
@@ -400,12 +372,9 @@ TEST(ProjectionMap, KeepsEverythingForALampInsideGlass) {
 
 // Copies of a group stand where their instances place them.
 TEST(ProjectionMap, FindsWhatInstancesShow) {
-    const auto scene = test::scene_of(test::scene_xml(
-        "<sensor type='perspective'>" + test::box_film(4) +
-        "</sensor><shape type='shapegroup' id='g'><shape type='sphere'>"
-        "<bsdf type='conductor'/></shape></shape><shape type='instance'><ref id='g'/><transform name='to_world'>"
-        "<scale x='0.6' y='0.3' z='0.6'/><rotate z='1' angle='30'/><translate x='1' y='2' z='-2'/></transform></shape>"
-        "<emitter type='point'/>"));
+    const std::string group = "<shape type='shapegroup' id='g'>" + shape("sphere", bsdf("conductor")) + "</shape>";
+    const std::string place = to_world(scale(0.6, 0.3, 0.6), rotate('z', 30), translate(1, 2, -2));
+    const auto scene = Scene(tiny_camera, group, shape("instance", reference("g"), place), emitter("point")).load();
     const ProjectionMap map(*scene.scene, TargetSurfaces::specular, 1 << 14);
     EXPECT_LT(map.kept(0), 0.0115);  // the ball around it fills 0.0101; the bins keep a rim
     int met = 0;
@@ -420,7 +389,7 @@ TEST(ProjectionMap, FindsWhatInstancesShow) {
 }
 
 TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
-    const auto scene = test::shipped_scene("cornell-glass.xml", {{}, std::pair{32, 32}});
+    const auto scene = shipped_scene("cornell-glass.xml", {{}, std::pair{32, 32}});
     const auto build = [&](int threads) {
         std::unique_ptr<ProjectionMap> map;
         with_threads(threads, [&] { map = std::make_unique<ProjectionMap>(*scene.scene, TargetSurfaces::specular); });
@@ -435,30 +404,25 @@ TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
             ASSERT_EQ(one->bins()[i].box.lower, many->bins()[i].box.lower);
             ASSERT_EQ(one->bins()[i].box.upper, many->bins()[i].box.upper);
         }
-        const auto image = [&](int n) {
-            return test::render(scene, "photon_mapper photons=20000", 1, 1, n).total().rgb;
-        };
+        const auto image = [&](int n) { return render(scene, "photon_mapper photons=20000", 1, 1, n).total().rgb; };
         EXPECT_EQ(image(1), image(threads));
     }
 }
 
 TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
     const auto step_of = [](const LoadedScene& scene, const std::string& pass, const std::string& projection) {
-        const auto& method = find_method("photon_mapper");
         const MethodLabel label{"photon_mapper", {{"projection", projection}}};
-        for (const auto& step :
-             method.create(ParameterValues(all_parameters(method), label), {})->plan(*scene.scene).steps)
+        for (const auto& step : ConfiguredMethod(label).create({})->plan(*scene.scene).steps)
             if (step.pass == "projection map of the " + pass + " map") return step.runs ? "runs" : step.reason;
         return std::string("no such step");
     };
-    const auto glass = test::shipped_scene("cornell-glass.xml");
+    const auto glass = shipped_scene("cornell-glass.xml");
     EXPECT_EQ(step_of(glass, "caustic", "on"), "runs");
     EXPECT_EQ(step_of(glass, "caustic", "off"), "projection=off");
-    EXPECT_EQ(step_of(test::shipped_scene("cornell-box.xml"), "caustic", "on"), "its map is not run");
+    EXPECT_EQ(step_of(shipped_scene("cornell-box.xml"), "caustic", "on"), "its map is not run");
     EXPECT_EQ(step_of(glass, "global", "on"), "runs");
-    EXPECT_EQ(step_of(test::shipped_scene("fog.xml"), "global", "on"),
-              "light may be scattered in a medium without an end");
+    EXPECT_EQ(step_of(shipped_scene("fog.xml"), "global", "on"), "light may be scattered in a medium without an end");
 }
 
 }  // namespace
-}  // namespace gib::projection_map_test
+}  // namespace gib::test::projection_map_test

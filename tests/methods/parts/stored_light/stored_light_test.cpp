@@ -41,10 +41,10 @@ TEST(StoredLight, IsHeldByTheRunsOfTheMethodsThatAreListed) {
         Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.5)), point_light(0, 0, 1, 1))
             .load();
     for (const MethodDescription& method : method_registry()) {
-        StageTimes stages;
-        const auto made = ConfiguredMethod(MethodLabel{method.name, {}}).create({scene.max_edges});
         if (method.name == "photon_mapper") continue;  // its default number of photons is large; it is tested below
-        const auto run = made->start(*scene.scene, 1, stages);
+        StageTimes stages;
+        const auto run =
+            ConfiguredMethod(MethodLabel{method.name, {}}).create({scene.max_edges})->start(*scene.scene, 1, stages);
         EXPECT_EQ(dynamic_cast<const HoldsStoredLight*>(run.get()) != nullptr,
                   std::count(methods_that_store_light.begin(), methods_that_store_light.end(), method.name) == 1)
             << method.name;

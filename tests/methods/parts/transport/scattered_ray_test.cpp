@@ -1,12 +1,13 @@
-// Scattered rays at surfaces whose shading normal leans away from the geometric normal.
+// Scattered rays at surfaces whose shading normal leans away from the geometric normal, and the eye path's walk through smooth
+// interfaces, of which the first two are followed both ways.
 
 #include "methods/parts/transport/scattered_ray.h"
 
+#include "common/materials/fresnel.h"
 #include "common/sampling/warp.h"
+#include "tests/support/scene_fixtures.h"
 
-#include <gtest/gtest.h>
-
-namespace gib::scattered_ray_test {
+namespace gib::test::scattered_ray_test {
 namespace {
 
 /// A surface of these normals.
@@ -97,5 +98,49 @@ TEST(ScatteredRay, OfDiffuseSurfacesLosesWhatWouldGoBehindThem) {
     EXPECT_NEAR(lost / 20000.0, share, 5 * std::sqrt(share * (1 - share) / 20000));
 }
 
+constexpr float r = 0.04f;                      ///< reflectance of a face of glass of index 1.5 at normal incidence
+constexpr float reflectance = 2 * r / (1 + r);  ///< reflectance of two faces, with all reflections between them
+constexpr float front = 26, back = 1;           ///< radiance of the lamps
+constexpr float expected = reflectance * front + (1 - reflectance) * back;
+
+/// A camera between two lamps looks straight at glass: it sees one lamp through the glass, and
+/// the lamp behind the camera by reflection.
+LoadedScene pane_between_lamps(const std::string& type, const std::string& glass_type) {
+    const auto lamp = [](double z, double turn, double radiance) {
+        return shape("rectangle", to_world(scale(3), rotate('y', turn), translate(0, 0, z)), area_light(radiance));
+    };
+    return Scene(camera(2, box_film(8)), lamp(-5, 0, double{front}), lamp(9, 180, double{back}),
+                 shape(type, to_world(rotate('y', 180), translate(0, 0, 4)),
+                       bsdf(glass_type, number("int_ior", 1.5), number("ext_ior", 1))))
+        .load();
+}
+
+// If one way were chosen for each path, every sample would show one lamp or the other, never their sum.
+TEST(SpecularWalk, FollowsBothWaysOnFromASmoothInterface) {
+    const auto scene = pane_between_lamps("rectangle", "thindielectric");
+    const Image image = *render(scene, "photon_mapper photons=0", 1)[Component::emission];
+    for (std::size_t i = 0; i < image.pixels(); ++i)
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(image.at(i)[c], expected, 1e-4f * expected) << "pixel " << i;
+}
+
+// The two faces of a plate, seen straight on, are the first two interfaces of a path, so both are followed both ways.
+// Only light that the second face sends back is left to chance at the first face: with probability 1 - r it comes
+// from the lamp of radiance `front`.
+TEST(SpecularWalk, BothFacesOfAPlateAreFollowedBothWays) {
+    const auto scene = pane_between_lamps("cube", "dielectric");
+    const Image once = *render(scene, "photon_mapper photons=0", 1)[Component::emission];
+    const float followed = r * front + sqr(1 - r) * back, sent_back = (1 - r) * r;
+    for (std::size_t i = 0; i < once.pixels(); ++i) {
+        EXPECT_GT(once.at(i)[0], (followed + sent_back * back) * (1 - 1e-4f)) << "pixel " << i;
+        EXPECT_LT(once.at(i)[0], (followed + sent_back * front) * (1 + 1e-4f)) << "pixel " << i;
+    }
+    // A sample's deviation is at most sent_back (front - back) sqrt(r (1 - r)). The bound is 5 standard errors for 64
+    // pixels of 64 samples each.
+    const Image mean = *render(scene, "photon_mapper photons=0", 64)[Component::emission];
+    const double deviation = double{sent_back * (front - back)} * std::sqrt(double{r * (1 - r)});
+    EXPECT_NEAR(mean_of(mean)[0], double{expected}, 5 * deviation / 64);
+}
+
 }  // namespace
-}  // namespace gib::scattered_ray_test
+}  // namespace gib::test::scattered_ray_test

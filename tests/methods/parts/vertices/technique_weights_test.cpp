@@ -1,20 +1,20 @@
-// The weights of all techniques of a path, against the densities of these techniques, listed one by one.
+// The weights of all techniques of a path, against the densities of these techniques, listed one by one; and the starts of light
+// walks, half of which are aimed at specular surfaces.
 
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_emission.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"
 #include "tests/support/lit_rooms.h"
-
-#include <gtest/gtest.h>
+#include "tests/support/moments.h"
 
 #include <numeric>
 
-namespace gib::technique_weights_test {
+namespace gib::test::technique_weights_test {
 namespace {
 
-using namespace test::lit_rooms;
-using test::room;
+using namespace lit_rooms;
 
 /// A path from a light's start to the camera, with its inner vertices x_1 ... x_{k-1} in this order.
 struct WholePath {
@@ -24,7 +24,7 @@ struct WholePath {
 };
 
 /// p_s^2 over the sum of p_j^2, merging included, by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, const Techniques& used,
+std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths, const Techniques& used,
                                const WholePath& path) {
     const auto& x = path.inner;
     const std::size_t n = x.size();
@@ -95,7 +95,7 @@ std::vector<double> weights_of(const Scene& scene, const LightPaths& paths, cons
 }
 
 void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
-    const Scene& scene = *loaded.scene;
+    const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
@@ -155,7 +155,7 @@ TEST(TechniqueWeights, OfLightsWithASurfaceAreThoseOfTheDensities) {
     expect_weights(room({.light = shining_ball}));
 }
 TEST(TechniqueWeights, OfDeltaLightsAreThoseOfTheDensities) {
-    expect_weights(room({.light = point}));
+    expect_weights(room({.light = lit_rooms::point}));
     expect_weights(room({.light = sun}));
 }
 TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room({.light = sky})); }
@@ -164,12 +164,78 @@ TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room({.
 TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
     for (const bool everywhere : {false, true})
         for (const LoadedScene& scene :
-             {room({.light = lamp, .more = fog}), room({.light = point}), room({.light = sky})})
+             {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point}), room({.light = sky})})
             expect_weights(scene, {.merging_on_surfaces = 3, .merging_in_media = 2, .merging_everywhere = everywhere});
 }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));
 }
 
+constexpr std::uint32_t count = 40000;
+
+const std::string small_lamp = lamp_of(0.05);
+
+/// A ball of glass that most light misses.
+LoadedScene room_with_glass(const std::string& light) {
+    return room({.light = light, .glossy_wall = "", .ball = glass_ball});
+}
+
+// The mean power of starts is the lights' own, whether they are aimed or not. Five standard errors: the seven comparisons
+// fail by chance with a probability of 4e-6. All starts of a sky have the same power, up to the rounding of floats. The aimed starts with another density, or without the dropping of those that meet no target, fail it.
+TEST(LightEmission, CarriesThePowerOfTheLights) {
+    for (const std::string& light :
+         {small_lamp, shining_ball, lit_rooms::point, spot, sun, sky, small_lamp + lit_rooms::point + sun}) {
+        const LoadedScene loaded = room_with_glass(light);
+        const LightEmission aimed(*loaded.scene, true);
+        Moments power;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const auto start = aimed.sample(Sampler(PointSet::independent, 1, i, 0));
+            power.add(start ? start->sample.power.sum() : 0);
+        }
+        EXPECT_NEAR(power.mean(), loaded.scene->emitted_power().sum(), 5 * power.standard_error() + 1e-6 * power.mean())
+            << light;
+    }
+}
+
+// Power times density is what the light emits there, so it has the same value over the cosine for all starts of a light
+// that shines evenly. Both are floats, and the cosine of a grazing start has few digits left: 1e-4.
+TEST(LightEmission, DensityIsThatOfTheStarts) {
+    for (const std::string& light : {small_lamp, shining_ball, lit_rooms::point, sun, sky}) {
+        const LoadedScene loaded = room_with_glass(light);
+        const auto emitted = [&](const LightEmission& emission, std::uint32_t i) {
+            const auto start = emission.sample(Sampler(PointSet::independent, 2, i, 0));
+            return start ? start->sample.power.sum() * start->density / double{start->cos_light} : 0;
+        };
+        const double expected = emitted(LightEmission(*loaded.scene, false), 0);
+        const LightEmission aimed(*loaded.scene, true);
+        for (std::uint32_t i = 0; i < 1000; ++i) {
+            const double value = emitted(aimed, i);
+            if (value != 0) {
+                EXPECT_NEAR(value, expected, 1e-4 * expected) << light;
+            }
+        }
+    }
+}
+
+TEST(LightEmission, SendsMoreStartsToSpecularSurfaces) {
+    const LoadedScene loaded = room_with_glass(small_lamp);
+    const auto share = [&](bool aims) {
+        const LightEmission emission(*loaded.scene, aims);
+        double hits = 0;
+        for (std::uint32_t i = 0; i < count; ++i)
+            if (const auto start = emission.sample(Sampler(PointSet::independent, 3, i, 0))) {
+                const auto hit = loaded.scene->intersect(start->sample.ray);
+                hits += hit && hit->bsdf->traits_at(1.f).delta;
+            }
+        return hits / count;
+    };
+    EXPECT_GT(share(true), 3 * share(false));
+    // Without a specular surface there is nothing to aim at.
+    const LoadedScene plain = room({.light = small_lamp, .glossy_wall = "", .ball = diffuse_ball});
+    const Sampler sampler(PointSet::independent, 4, 0, 0);
+    EXPECT_EQ(LightEmission(*plain.scene, true).sample(sampler)->density,
+              LightEmission(*plain.scene, false).sample(sampler)->density);
+}
+
 }  // namespace
-}  // namespace gib::technique_weights_test
+}  // namespace gib::test::technique_weights_test
