@@ -53,14 +53,14 @@ TEST_F(RepeatTest, ABudgetOfTimeBecomesItsPasses) {
 }
 
 TEST_F(RepeatTest, AChangedSceneIsNamedBeforeAnythingIsDone) {
-    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    complete("--seeds 1 --only spp=4");
     write("tiny.xml", tiny_scene_xml(9));
     EXPECT_THAT(repeat("results/e --out b"), exits(2, HasSubstr("tiny.xml:1:1: the scene was changed")));
     EXPECT_FALSE(fs::exists(path("b")));
 }
 
 TEST_F(RepeatTest, OtherImagesAreToldApart) {
-    ASSERT_EQ(run("--seeds 1").code, 0);
+    complete("--seeds 1");
     auto changed = manifest();
     changed["cells"][0]["image"] = std::string(40, '0');
     set_manifest(changed);
@@ -77,7 +77,7 @@ TEST_F(RepeatTest, OtherImagesAreToldApart) {
 }
 
 TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
-    ASSERT_EQ(run("--seeds 1").code, 0);
+    complete("--seeds 1");
     block_cell("results/e", "path spp=8");
     ASSERT_EQ(run("--seeds 1 --fresh").code, 1);
     ASSERT_EQ(manifest().at("cells").size(), 1u);
@@ -87,7 +87,7 @@ TEST_F(RepeatTest, ACellThatFailedInTheRunIsLeftOut) {
 }
 
 TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
-    ASSERT_EQ(run("--seeds 1").code, 0);
+    complete("--seeds 1");
     ASSERT_EQ(repeat().code, 0);
     block_cell("results/e-repeat", "path spp=8");
     EXPECT_THAT(
@@ -98,7 +98,7 @@ TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
 }
 
 TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
-    ASSERT_EQ(run("--seeds 1").code, 0);
+    complete("--seeds 1");
     ASSERT_EQ(repeat().code, 0);
     // The reference must be made again, but its lock cannot be taken.
     fs::remove(path("results/e/images/tiny-reference.exr"));
@@ -112,7 +112,7 @@ TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
 }
 
 TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
-    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    complete("--seeds 1 --only spp=4");
     auto changed = manifest();
     changed["compiler"] = "Other 1.0";
     changed["libraries"]["Embree"] = "0.1";
@@ -125,7 +125,7 @@ TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
 }
 
 TEST_F(RepeatTest, ResultsOfTheCurrentFolderGoBesideIt) {
-    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    complete("--seeds 1 --only spp=4");
     for (const auto& [folder, here] :
          {std::pair("results/e", "."), std::pair("results/e", "./"), std::pair("results/e/cells", "..")}) {
         EXPECT_THAT(run_gibench("run --repeat " + std::string(here), path(folder)), exits(0)) << here;
@@ -150,7 +150,7 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsSaid) {
     refused("--repeat results/e", "not a manifest");
     write("results/e/manifest.json", "{\"experiment\": \"\"}");
     refused("--repeat results/e", "not a manifest that can be repeated");
-    ASSERT_EQ(run("--seeds 1 --only spp=4").code, 0);
+    complete("--seeds 1 --only spp=4");
     for (const char* out : {"results/../results/e", "results/e/"})
         refused("--repeat results/e --out " + std::string(out), "a folder of its own");
 }

@@ -28,13 +28,20 @@ public:
                                     reference + "[[method]]\nname = 'path'\nspp = " + spp + "\n");
     }
     ProgramResult run(const std::string& options = "") const { return gibench("run e.toml --threads 1 " + options); }
-    /// Puts the results here that run() has in a new folder. They are made once in a process; the copied files keep their times
-    /// and their links.
-    void complete() const {
-        static const ExperimentFolder whole;
-        static const ProgramResult made = whole.run();
-        ASSERT_THAT(made, exits(0));
-        ASSERT_EQ(std::system(("cp -a '" + whole.path("results") + "' '" + path() + "'").c_str()), 0);
+    /// Puts the results here that run(options) has in a new folder, as if it had been here. They are made once in a process;
+    /// the copied files keep their times and their links.
+    void complete(const std::string& options = "") const {
+        static std::map<std::string, ExperimentFolder> made;
+        const auto [whole, is_new] = made.try_emplace(options);
+        const ExperimentFolder& there = whole->second;
+        if (is_new) {
+            ASSERT_THAT(there.run(options), exits(0));
+        }
+        ASSERT_EQ(std::system(("cp -a '" + there.path("results") + "' '" + path() + "'").c_str()), 0);
+        std::string manifest = read_file(results("manifest.json"));
+        const std::string from = fs::path(there.path()).parent_path(), to = fs::path(path()).parent_path();
+        manifest.replace(manifest.find(from), from.size(), to);
+        write_file(results("manifest.json"), manifest);
     }
     ProgramResult gibench(const std::string& arguments) const { return run_gibench(arguments, folder_ / ""); }
     std::string path(const std::string& name = "") const { return folder_ / name; }
