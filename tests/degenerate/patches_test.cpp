@@ -2,6 +2,7 @@
 
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/hard_cases.h"
+#include "tests/support/scene_text.h"
 
 #include <gmock/gmock.h>
 
