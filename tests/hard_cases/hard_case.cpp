@@ -106,7 +106,7 @@ std::vector<HardCase> read_case(const TomlReader& reader, const toml::table& tab
                                 int seeds) {
     reader.check_keys(table, "a case",
                       {"scene", "name", "set", "expected", "at_most", "at_least", "black", "refused", "accuracy",
-                       "reason", "passes", "passes_with", "seeds", "every_pixel", "narrow", "variants", "without"});
+                       "reason", "passes", "passes_with", "seeds", "every_pixel", "seldom", "variants", "without"});
     HardCase hard;
     const std::filesystem::path scene(reader.string(table.at("scene"), "scene"));
     hard.scene = (std::filesystem::path(file).parent_path() / scene).lexically_normal().string();
@@ -117,7 +117,7 @@ std::vector<HardCase> read_case(const TomlReader& reader, const toml::table& tab
     hard.passes = given_or(reader, table, "passes", 16u);
     hard.seeds = given_or(reader, table, "seeds", seeds);
     hard.every_pixel = given_or(reader, table, "every_pixel", false);
-    hard.narrow = given_or(reader, table, "narrow", false);
+    hard.seldom = given_or(reader, table, "seldom", false);
     hard.variants = variants_of(reader, table.get("variants"));
     hard.passes_with = by_pass(reader, table, "passes_with", [&](const toml::node& value, std::string_view pass) {
         return static_cast<std::uint32_t>(reader.whole_number(value, pass, 1, 1 << 20));
@@ -201,7 +201,8 @@ std::optional<HardCase> case_for(const HardCase& hard, const MethodUnderTest& me
     if (!plan.missing.empty() || !(is_complete || method.description->unbiased)) return std::nullopt;
     HardCase held = hard;
     held.every_pixel &= method.samples_pixels();
-    if (!is_complete || (hard.narrow && !method.samples_pixels())) held.relation = Relation::not_above;
+    const bool reaches_seldom = hard.seldom || plan.called_for.has(Effect::glossy_lobes);
+    if (!is_complete || (reaches_seldom && !method.samples_pixels())) held.relation = Relation::not_above;
     return held;
 }
 

@@ -29,7 +29,7 @@ struct HardCase {
     std::uint32_t passes;  ///< samples a pixel
     int seeds;             ///< seeds 1 to this are rendered
     bool every_pixel;      ///< whether the answer holds for each pixel
-    bool narrow;           ///< whether the camera sees so little that paths from the lights find it by chance
+    bool seldom;           ///< whether paths from the lights alone seldom reach what the camera sees
     std::vector<std::string> variants;  ///< of look_up_variants(), which are tested, too; `all` stands for all of them
     std::map<std::string, std::uint32_t>
         passes_with;                             ///< pass of a plan -> instead of `passes` for methods that run it
@@ -49,8 +49,9 @@ struct HardCases {
 HardCases load_hard_cases(const std::string& path);
 
 /// The case as the method is held to it. What is black stays black without some of the light, but not without the medium
-/// that absorbs it. Unbiased methods that leave out paths, and paths from the lights alone in a narrow view, are at least
-/// not too bright. Empty if the method cannot be held to the answer, as it leaves out effects.
+/// that absorbs it. Unbiased methods that leave out paths are at least not too bright. So are paths from the lights alone
+/// where they seldom reach what the camera sees, and on glossy surfaces, which they seldom leave towards the camera. Empty
+/// if the method cannot be held to the answer, as it leaves out effects.
 std::optional<HardCase> case_for(const HardCase& hard, const MethodUnderTest& method, const Plan& plan);
 
 /// The scene of a case, which is kept until that of another case is asked for. Throws InputError if it is refused.

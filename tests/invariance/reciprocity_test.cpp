@@ -137,7 +137,7 @@ TEST_P(Reciprocity, EmitterAndSensorCanBeExchanged) {
     for (std::uint64_t seed = 0; probabilities.size() < scenes; ++seed) {
         SCOPED_TRACE("scene " + std::to_string(seed));
         const BothWays ways(random_scene(seed, SceneMood::reciprocal), folder);
-        const Scene& scene = *ways.forward().scene;
+        const gib::Scene& scene = *ways.forward().scene;
         if (!follows_photons && (scene.has_media() || scene.has_dispersion())) continue;  // no final gathering
         const auto there = replicates(ways.forward(), label, passes, 1000 * seed + 1, seeds),
                    back = replicates(ways.backward(), label, passes, 1000 * seed + 501, seeds);
