@@ -41,9 +41,11 @@ if(NOT CPACK_PACKAGE_CONTACT)
 endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "test-bench for global illumination methods")
 set(CPACK_PACKAGE_DESCRIPTION
-    "gibench renders the same scene with several global illumination methods and measures each against a converged reference \
-whose own error is known. It reports what every step of accuracy costs in time, whether the error that remains is bias or \
-noise, and which light transport each method simulated or left out.")
+    "gibench renders the same scene with several global illumination methods and
+measures each against a converged reference whose own error is known. It
+reports what every step of accuracy costs in time, whether the error that
+remains is bias or noise, and which light transport each method simulated or
+left out.")
 # A package has to run on every processor of its architecture.
 if(GIB_NATIVE)
   file(WRITE ${PROJECT_BINARY_DIR}/refuse_package.cmake
