@@ -223,7 +223,7 @@ TEST_F(CommandLineTest, ExperimentsOfTheProgramAreKnownByName) {
     EXPECT_THAT(run("run point-set").err, HasSubstr("did you mean 'point-sets'?"));
     const ProgramResult none = run("run point-sets --only nothing");
     EXPECT_EQ(none.code, 2);
-    EXPECT_THAT(none.err, HasSubstr("experiments/point-sets.toml:"));
+    EXPECT_THAT(none.err, HasSubstr("--only 'nothing' keeps no cell"));
 }
 
 TEST_F(CommandLineTest, BashCompletesCommandsOptionsAndNames) {
