@@ -1,6 +1,7 @@
 #include "common/images/image_library.h"
 
 #include "common/core/error.h"
+#include "common/core/program_file.h"
 
 #include <dlfcn.h>
 
@@ -9,9 +10,9 @@ namespace gib {
 namespace {
 
 const ImageLibrary& load() {
-    // The library is in the build's folder, whose path was compiled in. It is never unloaded, because objects that it
-    // has made live on.
-    void* library = ::dlopen(GIB_IMAGE_LIBRARY, RTLD_NOW | RTLD_LOCAL);
+    // The library is never unloaded, because objects that it has made live on.
+    const std::string path = program_file(GIB_INSTALLED_IMAGE_LIBRARY, GIB_IMAGE_LIBRARY);
+    void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     void* entry = library ? ::dlsym(library, image_library_entry) : nullptr;
     if (!entry) throw RunError(std::string("cannot load the library that reads images: ") + ::dlerror());
     return *reinterpret_cast<ImageLibraryEntry*>(entry)();

@@ -7,8 +7,9 @@
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
+#include "experiments/program/completion.h"
 #include "experiments/program/photons.h"
-#include "experiments/program/shipped_scenes.h"
+#include "experiments/program/shipped_files.h"
 #include "experiments/run/repeat.h"
 #include "experiments/slurm/status.h"
 #include "experiments/slurm/submit.h"
@@ -30,6 +31,8 @@ namespace {
 
 constexpr int exit_wrong_input = 2;
 constexpr const char* scene_help = "a scene file (Mitsuba 3 XML), or a name that `gibench list scenes` prints";
+constexpr const char* experiment_file_help =
+    "the experiment file (TOML), or a name that `gibench list experiments` prints";
 constexpr const char* epsilon_help =
     "epsilon of relative errors [radiance^2] (default: (0.1 m)^2, m the mean luminance of the reference)";
 
@@ -162,7 +165,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     options->command_line = command_line;
     CLI::App* command = app.add_subcommand("run", "run an experiment file: references, cells, tables, report");
     auto repeated = std::make_shared<std::string>();
-    CLI::Option* file = command->add_option("EXPERIMENT", options->experiment, "the experiment file (TOML)");
+    CLI::Option* file = command->add_option("EXPERIMENT", options->experiment, experiment_file_help);
     command->add_option(
         "--out", options->out,
         "folder of the results (default: results/<experiment's name>; with --repeat, RESULT_DIR-repeat)");
@@ -186,8 +189,9 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
-            if (!*repeat) return run_on(*executor, *options);
-            return repeat_run(*repeated, *options, std::cout);
+            if (*repeat) return repeat_run(*repeated, *options, std::cout);
+            options->experiment = experiment_file(options->experiment);
+            return run_on(*executor, *options);
         };
     });
 }
@@ -288,17 +292,31 @@ void add_plan(CLI::App& app, Action& action) {
 }
 
 void add_list(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("list", "list methods, scenes or effects, one a line, the name first");
+    CLI::App* command =
+        app.add_subcommand("list", "list methods, scenes, effects or experiments, one a line, the name first");
     command->require_subcommand(1);
     auto parameters = std::make_shared<bool>(false);
     CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
     methods->add_flag("--parameters", *parameters, "show every parameter with its unit, range and default, too");
     perform_with(parameters, methods, action, [](bool with) { return list_methods(with, std::cout); });
-    command->add_subcommand("scenes", "scenes that come with the program")->callback([&action] {
-        action = [] { return list_scenes(std::cout); };
-    });
-    command->add_subcommand("effects", "kinds of light transport")->callback([&action] {
-        action = [] { return list_effects(std::cout); };
+    const auto add = [&](const char* kind, const char* sentence, int (*print)(std::ostream&)) {
+        command->add_subcommand(kind, sentence)->callback([&action, print] {
+            action = [print] { return print(std::cout); };
+        });
+    };
+    add("scenes", "scenes that come with the program", list_scenes);
+    add("effects", "kinds of light transport", list_effects);
+    add("experiments", "experiments that come with the program", list_experiments);
+}
+
+void add_completion(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("completion", "print a script that completes the command line in a shell");
+    command->require_subcommand(1);
+    command->add_subcommand("bash", "for bash: source <(gibench completion bash)")->callback([&] {
+        action = [&app] {
+            std::cout << bash_completion(app);
+            return 0;
+        };
     });
 }
 
@@ -384,26 +402,14 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     });
 }
 
-/// Adds the internal subcommand that `run` starts for each cell. An empty group hides it from the help.
-void add_measure_cell(CLI::App& app, Action& action) {
+/// Adds an internal subcommand that `run` starts for each cell. An empty group hides it from the help.
+void add_internal(CLI::App& app, Action& action, const char* name, const char* sentence,
+                  void (*measure)(const std::string&)) {
     auto request = std::make_shared<std::string>();
-    CLI::App* command =
-        app.add_subcommand("measure-cell", "internal: measures one cell, see cell_process.h")->group("");
+    CLI::App* command = app.add_subcommand(name, sentence)->group("");
     command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
-    perform_with(request, command, action, [](const auto& file) {
-        measure_cell(file);
-        return 0;
-    });
-}
-
-/// Adds the internal subcommand that `run` starts for each cell of another renderer.
-void add_measure_command(CLI::App& app, Action& action) {
-    auto request = std::make_shared<std::string>();
-    CLI::App* command =
-        app.add_subcommand("measure-command", "internal: runs a command, see command_process.h")->group("");
-    command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
-    perform_with(request, command, action, [](const auto& file) {
-        measure_command(file);
+    perform_with(request, command, action, [measure](const auto& file) {
+        measure(file);
         return 0;
     });
 }
@@ -449,7 +455,7 @@ int run_program(int argc, char** argv) {
         command_line += (i > 0 ? " " : "") + std::string(argv[i]);
     Action action;
     CLI::App app("gibench: what every step of accuracy costs in global illumination", "gibench");
-    app.set_version_flag("--version", program_version());
+    app.set_version_flag("--version", build_text());
     app.require_subcommand(1);
     add_run(app, action, command_line);
     add_render(app, action);
@@ -461,8 +467,9 @@ int run_program(int argc, char** argv) {
     add_status(app, action);
     add_photons(app, action);
     add_tune(app, action, command_line);
-    add_measure_cell(app, action);
-    add_measure_command(app, action);
+    add_completion(app, action);
+    add_internal(app, action, "measure-cell", "internal: measures one cell, see cell_process.h", measure_cell);
+    add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
     add_run_task(app, action);
     return perform([&] {
         try {

@@ -8,7 +8,7 @@
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/program/overwriting.h"
-#include "experiments/program/shipped_scenes.h"
+#include "experiments/program/shipped_files.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"

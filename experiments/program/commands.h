@@ -40,6 +40,7 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
 
 int list_methods(bool parameters, std::ostream& out);
 int list_scenes(std::ostream& out);
+int list_experiments(std::ostream& out);
 int list_effects(std::ostream& out);
 /// Name, default, unit, range and sentence of every parameter of every method.
 std::string parameter_help();

@@ -2,7 +2,7 @@
 
 #include "common/scene/effects.h"
 #include "experiments/program/commands.h"
-#include "experiments/program/shipped_scenes.h"
+#include "experiments/program/shipped_files.h"
 #include "experiments/system/build_info.h"
 #include "methods/method.h"
 
@@ -55,6 +55,14 @@ std::string sentence_about(const std::string& file_name, const std::string& read
     return "";
 }
 
+/// The title of an experiment file; empty if it has none.
+std::string title_of(const std::string& experiment) {
+    std::ifstream stream(experiment);
+    for (std::string line; std::getline(stream, line);)
+        if (line.starts_with("title = \"")) return line.substr(9, line.rfind('"') - 9);
+    return "";
+}
+
 }  // namespace
 
 int list_methods(bool parameters, std::ostream& out) {
@@ -67,11 +75,17 @@ int list_methods(bool parameters, std::ostream& out) {
 }
 
 int list_scenes(std::ostream& out) {
-    const std::filesystem::path folder(shipped_scenes_folder());
+    const std::string readme = shipped_folder("scenes") + "/README.md";
     for (const std::string& stem : shipped_scene_names()) {
-        const std::string sentence = sentence_about(stem + ".xml", (folder / "README.md").string());
+        const std::string sentence = sentence_about(stem + ".xml", readme);
         out << (sentence.empty() ? stem : fmt::format("{:<28} {}", stem, sentence)) << "\n";
     }
+    return 0;
+}
+
+int list_experiments(std::ostream& out) {
+    for (const std::string& name : shipped_experiment_names())
+        out << fmt::format("{:<28} {}\n", name, title_of(experiment_file(name)));
     return 0;
 }
 

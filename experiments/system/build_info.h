@@ -10,6 +10,9 @@ namespace gib {
 /// Name and version, as in "gibench 0.1.0".
 std::string program_version();
 
+/// Name and version, then the facts of build_info(), one a line; for `gibench --version`.
+std::string build_text();
+
 struct BuildInfo {
     std::string commit;  ///< hash of git's commit, "unknown" outside a repository
     bool modified;       ///< whether files differed from that commit
@@ -20,8 +23,8 @@ struct BuildInfo {
 };
 const BuildInfo& build_info();
 
-/// The folder of the scenes that come with the program.
-std::string shipped_scenes_folder();
+/// The folder of the files that come with the program; `name`: scenes or experiments.
+std::string shipped_folder(const std::string& name);
 
 /// SHA-1 of the running program's file, so that cells of different builds are not silently mixed.
 std::string executable_hash();

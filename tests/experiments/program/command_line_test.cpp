@@ -25,7 +25,9 @@ protected:
 TEST_F(CommandLineTest, HelpAndVersionSucceed) {
     EXPECT_EQ(run("--help").code, 0);
     EXPECT_THAT(run("--help").out, AllOf(HasSubstr("render"), Not(HasSubstr("measure-cell"))));
-    EXPECT_THAT(run("--version").out, StartsWith("gibench "));
+    EXPECT_THAT(run("--version").out,
+                AllOf(StartsWith("gibench "), HasSubstr("\ncommit: "), HasSubstr("\ncompiler: "),
+                      HasSubstr("\nbuild type: "), HasSubstr("-ffp-contract=off"), Not(HasSubstr("$<"))));
     EXPECT_THAT(run("render --help").out, AllOf(HasSubstr("photon_mapper"), HasSubstr("max_depth")));
 }
 
@@ -178,6 +180,35 @@ TEST_F(CommandLineTest, ScenesOfTheProgramAreKnownByName) {
     EXPECT_THAT(run("plan cornell-glass").out, HasSubstr("called for: refraction\n"));
     ASSERT_EQ(run("render furnace --method 'path spp=1' --resolution 2x2 -o a.exr").code, 0);
     EXPECT_EQ(image().metadata.at("scene"), "furnace");
+}
+
+TEST_F(CommandLineTest, ExperimentsOfTheProgramAreKnownByName) {
+    EXPECT_THAT(run("list experiments").out, HasSubstr("point-sets                   Sobol' points against"));
+    EXPECT_THAT(run("run point-set").err, HasSubstr("did you mean 'point-sets'?"));
+    const ProgramResult none = run("run point-sets --only nothing");
+    EXPECT_EQ(none.code, 2);
+    EXPECT_THAT(none.err, HasSubstr("--only 'nothing' keeps no cell"));
+}
+
+TEST_F(CommandLineTest, BashCompletesCommandsOptionsAndNames) {
+    folder_.write("cornell.xml", tiny_scene_xml());
+    const auto completed = [&](const std::string& words) {
+        folder_.write("complete.sh", "source <('" + program_path() + "' completion bash)\nCOMP_WORDS=(gibench " +
+                                         words +
+                                         ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_gibench\n"
+                                         "printf '%s ' \"${COMPREPLY[@]}\" >completed\n");
+        EXPECT_EQ(std::system(("cd '" + (folder_ / "") + "' && bash complete.sh").c_str()), 0);
+        return read_file(folder_ / "completed");
+    };
+    EXPECT_EQ(completed("re"), "render reference report ");
+    EXPECT_EQ(completed("list sc"), "scenes ");
+    EXPECT_EQ(completed("list methods --p"), "--parameters ");
+    EXPECT_EQ(completed("compare --z-test --v"), "--variance ");
+    EXPECT_EQ(completed("render --method pho"), "photon_mapper photon_view ");
+    EXPECT_EQ(completed("render cornell"), "cornell-box cornell-glass cornell.xml ");
+    EXPECT_EQ(completed("run --seeds 3 first"), "first-look ");
+    EXPECT_EQ(completed("run --seeds first"), " ") << "the value of an option";
+    EXPECT_THAT(completed("''"), Not(HasSubstr("measure-cell")));
 }
 
 TEST_F(CommandLineTest, ReferencesAreNeverLostToAnotherScene) {

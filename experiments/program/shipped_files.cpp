@@ -1,0 +1,49 @@
+#include "experiments/program/shipped_files.h"
+
+#include "common/core/reject.h"
+#include "experiments/system/build_info.h"
+#include "experiments/text/nearest_word.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace gib {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The names of the files in `folder` that end in `extension`, without it, in alphabetical order.
+std::vector<std::string> names_in(const fs::path& folder, std::string_view extension) {
+    std::vector<std::string> names;
+    if (fs::is_directory(folder))
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// `kind`: scene or experiment.
+std::string file_or_shipped(const std::string& path_or_name, std::string_view kind, const std::string& extension) {
+    if (fs::exists(path_or_name)) return path_or_name;
+    const fs::path folder(shipped_folder(fmt::format("{}s", kind)));
+    const auto names = names_in(folder, extension);
+    if (std::find(names.begin(), names.end(), path_or_name) != names.end())
+        return (folder / (path_or_name + extension)).string();
+    reject({path_or_name}, "there is no such file, and no {} of that name (`gibench list {}s`){}", kind, kind,
+           did_you_mean(fs::path(path_or_name).stem().string(), names));
+}
+
+}  // namespace
+
+std::vector<std::string> shipped_scene_names() { return names_in(shipped_folder("scenes"), ".xml"); }
+
+std::vector<std::string> shipped_experiment_names() { return names_in(shipped_folder("experiments"), ".toml"); }
+
+std::string scene_file(const std::string& path_or_name) { return file_or_shipped(path_or_name, "scene", ".xml"); }
+
+std::string experiment_file(const std::string& path_or_name) {
+    return file_or_shipped(path_or_name, "experiment", ".toml");
+}
+
+}  // namespace gib
