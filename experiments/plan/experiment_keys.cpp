@@ -36,20 +36,26 @@ DeclaredTable keys_of_the_file() {
 }
 
 DeclaredTable keys_of_a_reference() {
-    return {"[reference]",
-            "how references are made",
-            {{"method", "text; default \"auto\"",
-              "`auto`, which combines all unbiased methods; a name; or a label such as `photon_mapper k=100`, without "
-              "`spp`"},
-             {"target", "`\"1%\"` or `0.01`, or a list with one for each scene; default 1 % without `seconds`",
-              "relative standard error at which a reference is good enough: sqrt(mean(stderr^2 / (r^2 + epsilon))), "
-              "with the square of an estimated bias added to stderr^2 where methods that merge had to help. Its square "
-              "is subtracted from errors, so that smaller errors are resolved too"},
-             {"seconds", "number above 0",
-              "time after which a reference is taken as it is; the report says how close it came"},
-             {"image", "file, or a list with one for each scene, relative to the experiment file",
-              "a reference made elsewhere, instead of all other keys of this table"}},
-            "one value of a parameter of the reference's method"};
+    return {
+        "[reference]",
+        "how references are made",
+        {{"method", "text; default \"auto\"",
+          "`auto`, which combines all unbiased methods; a name; or a label such as `photon_mapper k=100`, without "
+          "`spp`"},
+         {"target", "`\"1%\"` or `0.01`, or a list with one for each scene; default 1 % without `seconds`",
+          "relative standard error at which a reference is good enough: sqrt(mean(stderr^2 / (r^2 + epsilon))), "
+          "with the square of an estimated bias added to stderr^2 where methods that merge had to help. Its square "
+          "is subtracted from errors, so that smaller errors are resolved too"},
+         {"seconds", "number above 0",
+          "time after which a reference is taken as it is; the report says how close it came"},
+         {"image", "file, or a list with one for each scene, relative to the experiment file",
+          "a reference made elsewhere, instead of all other keys of this table: an image of any renderer, of the size "
+          "of the scene's images. Its layer `stderr` (channels `stderr.R`, `stderr.G`, `stderr.B`) is its standard "
+          "error per pixel, whose square is subtracted from errors; without it the noise floor is unknown, nothing "
+          "is subtracted, `rel_mse_resolved` is empty, and `table.md` and the report say so. A reference of "
+          "`gibench reference` counts with its groups and components; one of another scene, or of another version of "
+          "it, is refused"}},
+        "one value of a parameter of the reference's method"};
 }
 
 DeclaredTable keys_of_a_command() {
@@ -60,7 +66,8 @@ DeclaredTable keys_of_a_command() {
          {"command", "text; required",
           "runs in `/bin/sh`, in the folder of the experiment file. `{scene}` and `{out}` are the files to read and "
           "to write, and have to be there; `{spp}`, `{seconds}` (of the budget), `{seed}`, `{threads}`, `{width}`, "
-          "`{height}` may. Paths are quoted for the shell where they need it"},
+          "`{height}` may. Paths are quoted for the shell where they need it. Complete cells are kept as long as this "
+          "text is the same; a new version of the program is not noticed (`--fresh`)"},
          {"scene_format", "`\"mitsuba\"` (default) or `\"povray\"`",
           "form of `{scene}`: the scene's file as it is, or the language of POV-Ray 3.7"},
          {"image_format", "`\"exr\"` (default), `\"pfm\"` or `\"hdr\"`",

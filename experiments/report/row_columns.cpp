@@ -203,7 +203,9 @@ void add_errors(Columns& c) {
         c.ends(time_column(t), time(t));
     c.number({"prepare_seconds", "s", "part of `seconds` before the first pass"}, of(&TableRow::prepare_seconds),
              in_prices, "seconds of preparation");
-    c.number({"flip", "0 to 1", "HDR-FLIP of the final images, mean over pixels and seeds; of `total` only"},
+    c.number({"flip", "0 to 1",
+              "HDR-FLIP (Andersson et al. 2021) at 67 pixels per degree of the final images, mean over pixels and "
+              "seeds; of `total` only"},
              of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
     c.words(in_prices | in_errors, "missing effects", left_out);
     c.number({"rel_mse_resolved", "", "squared relative error below which the reference's noise hides the rest"},
