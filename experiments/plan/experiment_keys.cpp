@@ -20,7 +20,7 @@ DeclaredTable keys_of_the_file() {
               "scene files, relative to the experiment file; no two may have the same file name"},
              {"paths", "list of folders, relative to the experiment file",
               "where the scenes' files are searched for, after each scene's own folder"},
-             {"resolution", fmt::format("[width, height], 1 to {}; default: each scene's own", most_pixels_across),
+             {"resolution", fmt::format("`[width, height]`, 1 to {}; default: each scene's own", most_pixels_across),
               "size of every image in pixels"},
              {"seeds", fmt::format("{}; default {}", whole(most_seeds), Experiment().seeds),
               "each method renders each scene with the seeds 1 to this number; 1 leaves bias^2, variance and the "
@@ -39,7 +39,7 @@ DeclaredTable keys_of_a_reference() {
     return {
         "[reference]",
         "how references are made",
-        {{"method", "text; default \"auto\"",
+        {{"method", "text; default `\"auto\"`",
           "`auto`, which combines all unbiased methods; a name; or a label such as `photon_mapper k=100`, without "
           "`spp`"},
          {"target", "`\"1%\"` or `0.01`, or a list with one for each scene; default 1 % without `seconds`",

@@ -28,8 +28,9 @@ CsvTable table_of(const char* file) { return {names_of(csv_files(), file), {}}; 
 }  // namespace
 
 const std::vector<DeclaredTable>& csv_files() {
-    const Declared scene = row_columns()[0], method = row_columns()[1], component = row_columns()[2];
-    const Declared seed{"seed", "", "seed of the random numbers"};
+    // The first columns of table.csv say what a row is about; so do those of the other files.
+    static const Declared scene = row_columns()[0], method = row_columns()[1], component = row_columns()[2];
+    static const Declared seed{"seed", "", "seed of the random numbers"};
     static const std::vector<DeclaredTable> files = {
         {"table.csv", "errors and times: a row for each scene, method and component", row_declarations()},
         {"curves.csv",
