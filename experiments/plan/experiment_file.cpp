@@ -4,11 +4,13 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/experiment_methods.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/plan/run_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -58,11 +60,11 @@ void read_resolution(const TomlReader& reader, const toml::node& node, Experimen
 
 Budget read_budget(const TomlReader& reader, const toml::node& node) {
     const auto& table = reader.table(node, "budget");
-    reader.check_keys(table, "budget", {"seconds", "passes"});
+    reader.check_keys(table, "budget", names_of(experiment_keys(), "[budget]"));
     Budget budget;
     if (const auto* seconds = table.get("seconds")) budget.seconds = reader.positive_number(*seconds, "seconds");
     if (const auto* passes = table.get("passes"))
-        budget.passes = static_cast<std::uint32_t>(reader.whole_number(*passes, "passes", 1, 1 << 30));
+        budget.passes = static_cast<std::uint32_t>(reader.whole_number(*passes, "passes", 1, most_budget_passes));
     return budget;
 }
 
@@ -122,8 +124,9 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     // Parameters of several makers are those of the first one, if all have them.
     label.name = reference_methods(label, where).front()->name;
     MethodSweep further(reader, find_comparable_method(label.name, where), label);
+    const auto own = names_of(experiment_keys(), "[reference]");
     for (const auto& entry : reader.entries(table))
-        if (entry.key != "method" && entry.key != "target" && entry.key != "seconds") further.add(entry);
+        if (std::find(own.begin(), own.end(), entry.key) == own.end()) further.add(entry);
     const auto labels = further.labels(where);
     if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
     experiment.reference_method = {name, labels.front().values};
@@ -154,9 +157,7 @@ double parse_target(const std::string& text, const SourceLocation& where) {
 Experiment parse_experiment(const std::string& text, const std::string& path) {
     const TomlReader reader(text, path);
     const auto& root = reader.root();
-    reader.check_keys(
-        root, "an experiment",
-        {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "reference", "method", "tune"});
+    reader.check_keys(root, "an experiment", names_of(experiment_keys(), "experiment"));
     Experiment experiment;
     experiment.path = path;
     experiment.text = text;

@@ -1,6 +1,7 @@
 #include "experiments/plan/external_method_reader.h"
 
 #include "common/core/reject.h"
+#include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/reference_methods.h"
 #include "methods/method.h"
@@ -40,7 +41,7 @@ std::string read_name(const TomlReader& reader, const toml::node& node) {
 /// The labels of a table, one for each combination of the values of `spp` and of the placeholders that are its own.
 std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table& table, const std::string& name,
                                      const std::vector<std::string>& placeholders) {
-    const std::vector<std::string> settings = {"name", "command", "scene_format", "image_format", "timeout"};
+    const auto settings = names_of(experiment_keys(), "[[method]] with a command");
     std::vector<Parameter> parameters;
     for (const Parameter& shared : shared_parameters())
         if (shared.name == "spp" && is_one_of("spp", placeholders)) parameters.push_back(shared);

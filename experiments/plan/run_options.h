@@ -9,6 +9,7 @@ namespace gib {
 
 // Upper limits for a run's settings.
 inline constexpr int most_seeds = 100000;
+inline constexpr int most_budget_passes = 1 << 30;
 inline constexpr int most_threads = 4096;
 inline constexpr int most_pixels_across = 1 << 16;
 

@@ -2,6 +2,7 @@
 
 #include "common/core/files.h"
 #include "common/core/reject.h"
+#include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/toml_reader.h"
 #include "methods/method.h"
 
@@ -32,7 +33,7 @@ std::string checked_method(const TuneFile::Text& label) {
 }
 
 void read_tune(const TomlReader& reader, const toml::table& table, TuneFile& file) {
-    reader.check_keys(table, "tune", {"target", "method", "vary", "minutes"});
+    reader.check_keys(table, "tune", names_of(experiment_keys(), "[tune]"));
     if (const auto* target = table.get("target")) {
         if (!target->is_string() && !target->is_number())
             throw InputError(reader.at(*target), "'target' needs a relative error such as \"1%\"");

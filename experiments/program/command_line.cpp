@@ -36,36 +36,6 @@ constexpr const char* experiment_file_help =
 constexpr const char* epsilon_help =
     "epsilon of relative errors [radiance^2] (default: (0.1 m)^2, m the mean luminance of the reference)";
 
-/// The keys of an experiment file; experiments/README.md has a table of them.
-constexpr const char* experiment_help =
-    "An experiment file (TOML; * has to be given):\n"
-    "  title            text                    heading of the tables and the report\n"
-    "  scenes *         [\"FILE.xml\", ...]       scene files, relative to the experiment file\n"
-    "  paths            [\"FOLDER\", ...]         searched for the scenes' files\n"
-    "  resolution       [WIDTH, HEIGHT]         size of every image [pixels] (default: each scene's own)\n"
-    "  seeds            whole number            runs of each method (default 1; 2 tell bias from noise)\n"
-    "  epsilon          number                  of relative errors [radiance^2] (default (0.1 m)^2, m the mean "
-    "luminance)\n"
-    "  budget           { seconds = 30 }        or passes = 64: where a run ends, unless its spp ends it earlier\n"
-    "  [reference]      method = \"auto\"         name or label of the method of the references\n"
-    "                   target = \"1%\"          relative standard error, or a list of one for each scene\n"
-    "                   seconds = 120           time after which a reference is taken as it is\n"
-    "                   image = \"ref.exr\"       instead: a reference made elsewhere, or a list of one for each "
-    "scene\n"
-    "  [[method]] *     name = \"path\"           `gibench list methods` says which there are\n"
-    "                   spp = [16, 64]          any of its parameters; a list makes a sweep, several make a grid\n"
-    "                                           (`gibench list methods --parameters` has them)\n"
-    "                   command = \"...\"         instead: runs another renderer, whose rows have the name; it has\n"
-    "                                           {scene}, {out}, {spp}, {seconds}, {seed}, {threads}, {width},\n"
-    "                                           {height} and {KEY} for any other key of its [[method]]\n"
-    "                   scene_format = \"povray\"  the form of {scene} (default \"mitsuba\": the file as it is)\n"
-    "                   image_format = \"hdr\"     ending of {out}: exr (default), pfm or hdr\n"
-    "                   timeout = 600           seconds after which the command is ended (default 3600)\n"
-    "  [tune]           target = \"2%\"           instead of the methods, seeds, budget and reference: searches the\n"
-    "                   method = [\"path\"]       cheapest settings on each scene, as `gibench tune` does with\n"
-    "                   vary = [\"k=20..200\"]    the options of these names\n"
-    "                   minutes = 10            for each scene\n";
-
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
 
@@ -185,7 +155,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     add_executor(command, *executor);
     for (CLI::Option* other : command->get_options())
         if (other != repeat && other->get_name() != "--help" && other->get_name() != "--out") repeat->excludes(other);
-    command->footer(experiment_help);
+    command->footer("The keys of an experiment file (TOML):\n" + key_help());
     command->callback([=, &action] {
         if (!*file && !*repeat) throw CLI::RequiredError("EXPERIMENT or --repeat");
         action = [=] {
@@ -292,8 +262,8 @@ void add_plan(CLI::App& app, Action& action) {
 }
 
 void add_list(CLI::App& app, Action& action) {
-    CLI::App* command =
-        app.add_subcommand("list", "list methods, scenes, effects or experiments, one a line, the name first");
+    CLI::App* command = app.add_subcommand(
+        "list", "list methods, scenes, effects, experiments, keys or columns, one a line, the name first");
     command->require_subcommand(1);
     auto parameters = std::make_shared<bool>(false);
     CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
@@ -307,6 +277,14 @@ void add_list(CLI::App& app, Action& action) {
     add("scenes", "scenes that come with the program", list_scenes);
     add("effects", "kinds of light transport", list_effects);
     add("experiments", "experiments that come with the program", list_experiments);
+    const auto add_declared = [&](const char* name, const char* help, int (*work)(bool, std::ostream&)) {
+        auto markdown = std::make_shared<bool>(false);
+        CLI::App* declared = command->add_subcommand(name, help);
+        declared->add_flag("--markdown", *markdown, "print this part of experiments/REFERENCE.md");
+        perform_with(markdown, declared, action, [=](bool with) { return work(with, std::cout); });
+    };
+    add_declared("keys", "keys of an experiment file", list_keys);
+    add_declared("columns", "columns of the CSV files of a result folder", list_columns);
 }
 
 void add_completion(CLI::App& app, Action& action) {

@@ -281,7 +281,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
     for (const auto& [name, values] : components.items())
         if (is_black(values)) out << name << ": black in the images and in the reference\n";
         else print_text(name, values, out);
-    out << "The names are those of the columns in experiments/README.md; absolute errors are in radiance.\n";
+    out << "The names are those that `gibench list columns` explains; absolute errors are in radiance.\n";
     if (z) out << z->text;
     return code;
 }

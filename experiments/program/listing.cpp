@@ -1,8 +1,10 @@
-// `gibench list`: prints methods, scenes and effects from their declarations.
+// `gibench list`: prints methods, scenes, effects, keys and columns from their declarations.
 
 #include "common/scene/effects.h"
+#include "experiments/plan/experiment_keys.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/shipped_files.h"
+#include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
 #include "methods/method.h"
 
@@ -10,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -32,6 +35,41 @@ std::string parameter_lines(const std::vector<Parameter>& parameters) {
     }
     return text;
 }
+
+std::string plain_text_of(const std::vector<DeclaredTable>& tables) {
+    std::string text;
+    for (const auto& table : tables) {
+        text += fmt::format("{:<28} {}\n", table.name, table.sentence);
+        for (const auto& [name, value, sentence] : table.entries)
+            text += fmt::format("  {:<22} {}{}\n", name, sentence, value.empty() ? "" : " (" + value + ")");
+        if (!table.others.empty()) text += fmt::format("  {:<22} {}\n", "any other key", table.others);
+    }
+    return text;
+}
+
+/// `head` is the title with its text, `columns` the headings of names and values.
+std::string markdown_of(const std::vector<DeclaredTable>& tables, const std::string& head, const char* columns) {
+    std::string text = head;
+    for (const auto& table : tables) {
+        text += fmt::format("\n## {}\n\n{}{}.\n\n| {} | meaning |\n|---|---|---|\n", table.name,
+                            static_cast<char>(std::toupper(table.sentence[0])), table.sentence.substr(1), columns);
+        for (const auto& [name, value, sentence] : table.entries)
+            text += fmt::format("| `{}` | {} | {} |\n", name, value, sentence);
+        if (!table.others.empty()) text += fmt::format("\nAny other key is {}.\n", table.others);
+    }
+    return text;
+}
+
+constexpr const char* key_head = R"(# Keys of experiment files
+
+An experiment file is TOML; [the manual](README.md#write-an-experiment) says how to write one. A key that is not named here is an error that lists the known ones. `gibench list keys` prints this list, `gibench list columns` the columns below. This page is made by the program: `(gibench list keys --markdown; gibench list columns --markdown) > experiments/REFERENCE.md`.
+)";
+
+constexpr const char* column_head = R"(
+# Columns of the CSV files
+
+An empty field is undefined or was never reached; it is not zero. [The manual](README.md#read-the-table) explains the tables that are made of them.
+)";
 
 /// Removes the marks of Markdown tables, lists and code from a line.
 std::string plain_text(std::string line) {
@@ -94,6 +132,18 @@ int list_effects(std::ostream& out) {
         out << fmt::format("{:<28} {}\n", effect.name, effect.sentence);
     return 0;
 }
+
+int list_keys(bool markdown, std::ostream& out) {
+    out << (markdown ? markdown_of(experiment_keys(), key_head, "key | value") : key_help());
+    return 0;
+}
+
+int list_columns(bool markdown, std::ostream& out) {
+    out << (markdown ? markdown_of(csv_files(), column_head, "column | unit") : plain_text_of(csv_files()));
+    return 0;
+}
+
+std::string key_help() { return plain_text_of(experiment_keys()); }
 
 std::string parameter_help() {
     std::string text;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace gib {
 
@@ -47,32 +48,35 @@ RowText shown(const Value& value, std::string (*text)(double)) {
 }
 
 struct Columns : std::vector<RowColumn> {
-    void text(const std::string& name, const RowText& csv_text, unsigned sections = 0, const char* heading = "") {
-        push_back({name, csv_text, sections, heading, csv_text});
+    void text(const Declared& column, const RowText& csv_text, unsigned sections = 0, const char* heading = "") {
+        push_back({column, csv_text, sections, heading, csv_text});
     }
     /// These texts stand in sections only.
     void words(unsigned sections, const std::string& heading, const RowText& section_text) {
-        push_back({"", {}, sections, heading, section_text});
+        push_back({{}, {}, sections, heading, section_text});
     }
-    void number(const std::string& name, const Value& value, unsigned sections = 0, const char* heading = "",
+    void number(const Declared& column, const Value& value, unsigned sections = 0, const char* heading = "",
                 const RowText& section_text = {}) {
         const auto csv_text = [value](const TableRow& row) {
             const auto e = value(row);
             return e ? csv_number(e->value) : "";
         };
-        push_back({name, csv_text, sections, heading, section_text ? section_text : shown(value, short_number)});
+        push_back({column, csv_text, sections, heading, section_text ? section_text : shown(value, short_number)});
     }
-    void ends(const std::string& name, const Value& value) {
-        for (const auto& [suffix, end] : {std::pair{"_lo", &Interval::lo}, {"_hi", &Interval::hi}})
-            text(name + suffix, [value, end = end](const TableRow& row) {
-                const auto e = value(row);
-                return e && e->interval ? csv_number((*e->interval).*end) : "";
-            });
+    void ends(const Declared& column, const Value& value, int percent = 95) {
+        for (const auto& [suffix, word, end] :
+             {std::tuple{"_lo", "lower", &Interval::lo}, {"_hi", "upper", &Interval::hi}})
+            text({column.name + suffix, column.value,
+                  fmt::format("{} end of the {} % interval of `{}`", word, percent, column.name)},
+                 [value, end = end](const TableRow& row) {
+                     const auto e = value(row);
+                     return e && e->interval ? csv_number((*e->interval).*end) : "";
+                 });
     }
-    void estimate(const std::string& name, const Value& value, unsigned sections = 0, const char* heading = "",
+    void estimate(const Declared& column, const Value& value, unsigned sections = 0, const char* heading = "",
                   const RowText& section_text = {}) {
-        number(name, value, sections, heading, section_text);
-        ends(name, value);
+        number(column, value, sections, heading, section_text);
+        ends(column, value);
     }
 };
 
@@ -133,82 +137,134 @@ RowText if_outliers(const Value& value, std::string (*text)(double)) {
     };
 }
 
+Declared corrected_column() {
+    return {"rel_mse_corrected", "", "`rel_mse` with the reference's own variance subtracted, as in `table.md`"};
+}
+
 void add_errors(Columns& c) {
     const auto error = [](auto member) { return of(&TableRow::statistics, member); };
     const Value bias2 = error(&ReplicateStatistics::bias2), variance = error(&ReplicateStatistics::variance);
     const auto time = [](std::size_t t) { return Value([t](const TableRow& row) { return row.times[t]; }); };
-    const auto name_of_time = [](std::size_t t) { return fmt::format("seconds_to_{}pct", target_names[t]); };
-    c.text("scene", &TableRow::scene);
-    c.text("method", &TableRow::method);
-    c.text("component", &TableRow::component);
-    c.text("seeds", [](const TableRow& row) { return std::to_string(row.seeds); });
-    c.number("seconds", of(&TableRow::seconds), in_prices | in_errors, "seconds");
-    c.estimate("rmse", error(&ReplicateStatistics::rmse));
-    c.estimate("rel_mse", error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %",
-               relative_error_text);
+    const auto time_column = [](std::size_t t) {
+        return Declared{fmt::format("seconds_to_{}pct", target_names[t]), "s",
+                        fmt::format("time to a relative RMSE of {} %", target_names[t])};
+    };
+    const Declared variance_column{"variance", "radiance^2",
+                                   "scatter from seed to seed, mean over pixels; it falls with more samples"};
+    c.text({"scene", "", "the scene file's name without folder and ending"}, &TableRow::scene);
+    c.text({"method", "", "label: the method with its settings"}, &TableRow::method);
+    c.text({"component", "", "class of light paths, or `total`, the sum of those that the reference resolves"},
+           &TableRow::component);
+    c.text({"seeds", "", "number of complete seeds"}, [](const TableRow& row) { return std::to_string(row.seeds); });
+    c.number({"seconds", "s", "charged wall-clock time of the final images, mean over the seeds"},
+             of(&TableRow::seconds), in_prices | in_errors, "seconds");
+    c.estimate({"rmse", "radiance", "root mean squared error against the reference, by the plain formula"},
+               error(&ReplicateStatistics::rmse));
+    c.estimate({"rel_mse", "",
+                "mean((x - r)^2 / (r^2 + epsilon)) over pixels and channels, by the plain formula: the square of a "
+                "relative RMSE. Components are divided by the r^2 + epsilon of the total"},
+               error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %", relative_error_text);
     c.words(in_noise, "mean squared error [radiance^2]", shown(error(&ReplicateStatistics::mse), short_number));
-    c.estimate("bias2", bias2, in_errors | in_noise, "bias^2 [radiance^2]",
+    c.estimate({"bias2", "radiance^2",
+                "part of the mean squared error that remains when many seeds are averaged, unclipped: below 0 where "
+                "neither seeds nor reference resolve it"},
+               bias2, in_errors | in_noise, "bias^2 [radiance^2]",
                [measured = shown(bias2, clipped)](const TableRow& row) {
                    return bias_state(row) == "unbiased" ? "0, unbiased" : measured(row);
                });
-    c.number("variance", variance, in_errors | in_noise, "variance [radiance^2]");
+    c.number(variance_column, variance, in_errors | in_noise, "variance [radiance^2]");
     c.words(in_noise, "share of bias^2", bias_share);
     c.words(in_errors, "bias or noise", error_kind);
-    c.number("noise_centroid", of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise,
-             "noise centroid [cycles per pixel]");
-    c.number("noise_low_ratio", of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise,
-             "low frequencies [white noise = 1]");
+    c.number({"noise_centroid", "cycles per pixel", "mean spatial frequency of the noise; white noise has 0.38"},
+             of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
+    c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
+             of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]");
     for (std::size_t t = 0; t < 4; ++t)
-        c.number(name_of_time(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %",
+        c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %",
                  [t](const TableRow& row) { return time_text(row, t); });
     for (std::size_t t = 0; t < target_names.size(); ++t)
         c.words(in_prices, fmt::format("seconds to {} %", target_names[t]),
                 [t](const TableRow& row) { return time_text(row, t); });
     c.text(
-        "nonfinite", [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors,
-        "samples not finite");
+        {"nonfinite", "", "samples of all seeds that were not finite and were dropped"},
+        [](const TableRow& row) { return std::to_string(row.nonfinite); }, in_errors, "samples not finite");
     const Value memory = of(&TableRow::peak_rss_mib);
-    c.number("peak_rss_mib", memory, in_prices, "memory MiB", shown(memory, whole));
-    c.text("effects_missing", &TableRow::effects_missing);
-    c.ends("variance", variance);
-    c.number("rmse_corrected", finite(error(&ReplicateStatistics::rmse_corrected)));
-    c.number("rel_mse_corrected", finite(error(&ReplicateStatistics::rel_mse_corrected)));
-    c.number(name_of_time(4), time(4));
+    c.number({"peak_rss_mib", "MiB", "largest resident set of the cells' processes"}, memory, in_prices, "memory MiB",
+             shown(memory, whole));
+    c.text(
+        {"effects_missing", "", "effects that the scene calls for and the method does not simulate, separated by `;`"},
+        &TableRow::effects_missing);
+    c.ends(variance_column, variance);
+    c.number({"rmse_corrected", "radiance", "`rmse` with the reference's own variance subtracted from its square"},
+             finite(error(&ReplicateStatistics::rmse_corrected)));
+    c.number(corrected_column(), finite(error(&ReplicateStatistics::rel_mse_corrected)));
+    c.number(time_column(4), time(4));
     for (std::size_t t = 0; t < target_names.size(); ++t)
-        c.ends(name_of_time(t), time(t));
-    c.number("prepare_seconds", of(&TableRow::prepare_seconds), in_prices, "seconds of preparation");
-    c.number("flip", of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
+        c.ends(time_column(t), time(t));
+    c.number({"prepare_seconds", "s", "part of `seconds` before the first pass"}, of(&TableRow::prepare_seconds),
+             in_prices, "seconds of preparation");
+    c.number({"flip", "0 to 1",
+              "HDR-FLIP (Andersson et al. 2021) at 67 pixels per degree of the final images, mean over pixels and "
+              "seeds; of `total` only"},
+             of(&TableRow::flip), in_errors, "FLIP [0 to 1]");
     c.words(in_prices | in_errors, "missing effects", left_out);
-    c.number("rel_mse_resolved",
+    c.number({"rel_mse_resolved", "", "squared relative error below which the reference's noise hides the rest"},
              [](const TableRow& row) { return row.floor_known ? estimate_of(row.noise_floor) : std::nullopt; });
-    c.estimate("energy_excess", of(&TableRow::footing, &Footing::excess));
-    c.text("footing", [](const TableRow& row) { return row.footing ? name_of(row.footing->verdict) : ""; });
+    const Value excess = of(&TableRow::footing, &Footing::excess);
+    const Declared excess_column{
+        "energy_excess", "",
+        "(mean of the method - mean of the reference) as a share of the reference's mean, or of "
+        "a hundredth of the total's mean if that is more"};
+    c.number(excess_column, excess);
+    c.ends(excess_column, excess, 99);
+    c.text({"footing", "", "verdict of equal footing: `agrees` within 1 %, `differs` or `unresolved`"},
+           [](const TableRow& row) { return row.footing ? name_of(row.footing->verdict) : ""; });
 }
 
 void add_laws(Columns& c) {
     const auto law = [](auto member) { return of(&TableRow::law, member); };
     const auto robust = [](auto member) { return finite(of(&TableRow::robust, member)); };
-    c.estimate("last_halving", of(&TableRow::last_halving), in_laws, "last halving: times the seconds");
-    c.estimate("law_floor", law(&PriceLaw::floor), in_laws, "floor %", floor_text);
-    c.number("law_floor_bias2", [](const TableRow& r) { return r.law ? estimate_of(floor_bias2(r)) : std::nullopt; });
-    c.estimate("law_slope", law(&PriceLaw::slope), in_laws, "slope");
-    c.number("law_factor", [](const TableRow& r) { return r.law ? estimate_of(r.law->law.factor) : std::nullopt; });
-    c.number("law_misfit", law(&PriceLaw::misfit), in_laws, "worst point off the law",
-             shown(law(&PriceLaw::misfit), whole_percent));
-    c.estimate("next_halving", next_halving, in_laws, "next halving: times the seconds (extrapolated)",
-               next_halving_text);
+    c.estimate({"last_halving", "", "factor by which time grew for the last halving of the error, as measured"},
+               of(&TableRow::last_halving), in_laws, "last halving: times the seconds");
+    c.estimate({"law_floor", "", "floor^2 of the fitted law error^2 = floor^2 + c (t - preparation)^-slope"},
+               law(&PriceLaw::floor), in_laws, "floor %", floor_text);
+    c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"},
+             [](const TableRow& r) { return r.law ? estimate_of(floor_bias2(r)) : std::nullopt; });
+    c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope");
+    c.number({"law_factor", "", "c of the law, for t in seconds"},
+             [](const TableRow& r) { return r.law ? estimate_of(r.law->law.factor) : std::nullopt; });
+    c.number({"law_misfit", "", "largest relative deviation of a measured squared error from the law"},
+             law(&PriceLaw::misfit), in_laws, "worst point off the law", shown(law(&PriceLaw::misfit), whole_percent));
+    c.estimate({"next_halving", "",
+                "factor by which time would grow for half the error of the final image, extrapolated by the law; empty "
+                "where its floor is not resolved, or where `table.md` extrapolates nothing"},
+               next_halving, in_laws, "next halving: times the seconds (extrapolated)", next_halving_text);
     const Value median = robust(&RobustError::median), trimmed = robust(&RobustError::trimmed);
     const Value share = robust(&RobustError::share);
-    c.number("rel_mse_median", median, in_outliers, "median %", if_outliers(median, root_percent));
-    c.number("rel_mse_trimmed", trimmed, in_outliers, "relative RMSE without them %",
-             if_outliers(trimmed, root_percent));
-    c.number("rel_mse_top_share", share, in_outliers, "share of the worst %", if_outliers(share, percent_text));
-    c.number("epsilon", of(&TableRow::epsilon));
-    c.text("components_missing", &TableRow::components_missing);
-    c.text("bias_state", bias_state);
-    c.ends("rel_mse_corrected", corrected_rel_mse);
-    c.text("external", [](const TableRow& row) { return row.is_external ? "yes" : ""; });
-    c.text("cpu", &TableRow::cpu);
+    c.number({"rel_mse_median", "", "median of the pixels' squared relative errors"}, median, in_outliers, "median %",
+             if_outliers(median, root_percent));
+    c.number(
+        {"rel_mse_trimmed", "", "mean of the pixels' squared relative errors without the worst 0.1 % of the pixels"},
+        trimmed, in_outliers, "relative RMSE without them %", if_outliers(trimmed, root_percent));
+    c.number({"rel_mse_top_share", "", "share of `rel_mse` that the worst 0.1 % of the pixels hold"}, share,
+             in_outliers, "share of the worst %", if_outliers(share, percent_text));
+    c.number({"epsilon", "radiance^2", "epsilon of the row's relative errors"}, of(&TableRow::epsilon));
+    c.text({"components_missing", "",
+            "components that hold light and of which the method leaves out paths, separated by `;`"},
+           &TableRow::components_missing);
+    c.text({"bias_state", "",
+            "`unbiased`: the method declares itself unbiased and samples every path of the row, so that bias^2 is 0 by "
+            "theory and all error is variance; `bias2` keeps what the seeds say, whose interval misses 0 in one of "
+            "twenty rows. `measured`: `bias2` is all that is known. Empty: one seed"},
+           bias_state);
+    c.ends(corrected_column(), corrected_rel_mse);
+    c.text({"external", "", "`yes`: an image of another renderer"},
+           [](const TableRow& row) { return row.is_external ? "yes" : ""; });
+    c.text(
+        {"cpu", "",
+         "processor that measured the row, by the name that the system gives; several are separated by `;`, and their "
+         "times do not compare"},
+        &TableRow::cpu);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // table.md and the report show.
 
 #include "experiments/analysis/table_row.h"
+#include "experiments/text/declared.h"
 
 #include <functional>
 #include <string>
@@ -15,8 +16,8 @@ enum RowSection : unsigned { in_prices = 1, in_laws = 2, in_errors = 4, in_outli
 
 using RowText = std::function<std::string(const TableRow&)>;
 
-struct RowColumn {
-    std::string name;           ///< column of table.csv; empty: only sections show it
+/// A column of table.csv; without a name, only sections show it.
+struct RowColumn : Declared {
     RowText csv_text;           ///< empty where it is undefined or was never reached
     unsigned sections = 0;      ///< the sections that show it
     std::string heading = "";   ///< its column there

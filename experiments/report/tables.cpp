@@ -9,12 +9,68 @@
 
 namespace gib {
 
+namespace {
+
+/// The columns of table.csv, with their headings in table.md.
+std::vector<Declared> row_declarations() {
+    std::vector<Declared> columns;
+    for (const RowColumn& column : row_columns()) {
+        if (column.name.empty()) continue;
+        columns.push_back(column);
+        if (column.sections != 0 && column.heading != column.name)
+            columns.back().sentence += " (in `table.md`: " + column.heading + ")";
+    }
+    return columns;
+}
+
+CsvTable table_of(const char* file) { return {names_of(csv_files(), file), {}}; }
+
+}  // namespace
+
+const std::vector<DeclaredTable>& csv_files() {
+    // The first columns of table.csv say what a row is about; so do those of the other files.
+    static const Declared scene = row_columns()[0], method = row_columns()[1], component = row_columns()[2];
+    static const Declared seed{"seed", "", "seed of the random numbers"};
+    static const std::vector<DeclaredTable> files = {
+        {"table.csv", "errors and times: a row for each scene, method and component", row_declarations()},
+        {"curves.csv",
+         "error of the total against time: a row for each scene, method, seed and checkpoint",
+         {scene,
+          method,
+          seed,
+          {"pass", "", "passes made"},
+          {"seconds", "s", "charged wall-clock time until then"},
+          {"prepare_seconds", "s", "part of `seconds` before the first pass"},
+          {"spp", "", "samples a pixel"},
+          {"photons", "", "photons emitted"},
+          {"mse", "radiance^2", "mean squared error, by the plain formula"},
+          {"rmse", "radiance", "its root"},
+          {"rel_mse", "", "mean((x - r)^2 / (r^2 + epsilon)), by the plain formula"},
+          {"nonfinite", "", "samples that were not finite and were dropped"},
+          {"peak_rss_mib", "MiB", "largest resident set of the process until then"},
+          {"rays", "", "rays traced"},
+          {"rel_mse_corrected", "", "`rel_mse` with the reference's own variance subtracted"},
+          {"mse_corrected", "radiance^2", "`mse` with the reference's own variance subtracted"}}},
+        {"spectra.csv",
+         "noise and bias by spatial frequency",
+         {scene,
+          method,
+          {"kind", "", "`noise` or `bias`"},
+          {"frequency", "cycles per pixel", "spatial frequency"},
+          {"power", "", "of noise: white noise has 1; of bias: radiance^2"},
+          component}},
+        {"stages.csv",
+         "where the time goes: a row for each scene, method, seed and stage",
+         {scene,
+          method,
+          seed,
+          {"stage", "", "part of the work, such as `gather`; `other` is what belongs to no stage"},
+          {"seconds", "s", "charged wall-clock time of the stage"}}}};
+    return files;
+}
+
 CsvTable curves_table(const Analysis& analysis) {
-    CsvTable table;
-    table.columns = {"scene",           "method",    "seed",         "pass", "seconds",
-                     "prepare_seconds", "spp",       "photons",      "mse",  "rmse",
-                     "rel_mse",         "nonfinite", "peak_rss_mib", "rays", "rel_mse_corrected",
-                     "mse_corrected"};
+    CsvTable table = table_of("curves.csv");
     for (const Cell& cell : analysis.cells)
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
             const auto total = errors.find(total_name);
@@ -36,9 +92,7 @@ CsvTable curves_table(const Analysis& analysis) {
 }
 
 CsvTable error_table(const Analysis& analysis) {
-    CsvTable table;
-    for (const RowColumn& column : row_columns())
-        if (!column.name.empty()) table.columns.push_back(column.name);
+    CsvTable table = table_of("table.csv");
     for (const TableRow& row : analysis.rows) {
         std::vector<std::string> fields;
         for (const RowColumn& column : row_columns())
@@ -49,8 +103,7 @@ CsvTable error_table(const Analysis& analysis) {
 }
 
 CsvTable spectra_table(const Analysis& analysis) {
-    CsvTable table;
-    table.columns = {"scene", "method", "kind", "frequency", "power", "component"};
+    CsvTable table = table_of("spectra.csv");
     for (const auto& row : analysis.rows) {
         const auto add = [&](const char* kind, const std::vector<SpectrumPoint>& curve) {
             for (const auto& point : curve)
@@ -64,8 +117,7 @@ CsvTable spectra_table(const Analysis& analysis) {
 }
 
 CsvTable stages_table(const Analysis& analysis) {
-    CsvTable table;
-    table.columns = {"scene", "method", "seed", "stage", "seconds"};
+    CsvTable table = table_of("stages.csv");
     for (const Cell& cell : analysis.cells)
         for (const auto& stage : cell.stages)
             table.add({cell.scene, cell.method, std::to_string(cell.seed), stage.name, csv_number(stage.seconds)});

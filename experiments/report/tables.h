@@ -3,10 +3,14 @@
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/text/csv.h"
+#include "experiments/text/declared.h"
 
 #include <string>
 
 namespace gib {
+
+/// The CSV files and their columns.
+const std::vector<DeclaredTable>& csv_files();
 
 CsvTable curves_table(const Analysis& analysis);
 CsvTable error_table(const Analysis& analysis);

@@ -2,6 +2,7 @@
 
 #include "experiments/plan/experiment_file.h"
 
+#include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/tune_file.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/input_error.h"
@@ -63,6 +64,21 @@ TEST_F(ExperimentFileTest, ReadsEveryKey) {
     EXPECT_DOUBLE_EQ(*e.scenes[0].goal.target, 0.01);
     EXPECT_DOUBLE_EQ(*e.scenes[1].goal.target, 0.005);
     EXPECT_EQ(e.scenes[1].goal.seconds, 60);
+}
+
+// A key that is declared but not read would be ignored in silence.
+TEST_F(ExperimentFileTest, ReadsEveryDeclaredKey) {
+    for (const auto& table : experiment_keys())
+        for (const auto& [key, value, sentence] : table.entries) {
+            std::string text = key == "scenes" ? "" : "scenes = ['a.xml']\n";
+            if (table.name[0] == '[') text += table.name.substr(0, table.name.find(' ')) + "\n";
+            if (table.name.find("command") != std::string::npos)
+                for (const std::string given : {"name = 'x'\n", "command = 'r {scene} {out}'\n"})
+                    if (!given.starts_with(key)) text += given;
+            text += key + " = [true]\n";
+            const auto read = [&] { return parse_tune_file(text, folder_ / "e.toml") || parse(text).seeds > 0; };
+            EXPECT_THAT(test::input_error_of(read), HasSubstr(": '" + key + "' needs ")) << text;
+        }
 }
 
 TEST_F(ExperimentFileTest, DefaultsHold) {

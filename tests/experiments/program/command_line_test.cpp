@@ -261,6 +261,14 @@ TEST_F(CommandLineTest, ListsNameFirst) {
     EXPECT_THAT(run("list methods --parameters").out, AllOf(HasSubstr("  photons"), HasSubstr("  spp")));
     EXPECT_THAT(run("list effects").out, StartsWith("direct_light "));
     EXPECT_THAT(run("list scenes").out, HasSubstr("cornell-box "));
+    EXPECT_THAT(run("list keys").out, AllOf(StartsWith("experiment "), HasSubstr("\n[tune] "), HasSubstr("\n  vary ")));
+    EXPECT_THAT(run("list columns").out, AllOf(StartsWith("table.csv "), HasSubstr("\n  bias2_hi ")));
+}
+
+TEST_F(CommandLineTest, TheReferenceOfKeysAndColumnsIsMadeFromTheirDeclarations) {
+    EXPECT_EQ(read_file(source_path("experiments/REFERENCE.md")),
+              run("list keys --markdown").out + run("list columns --markdown").out)
+        << "the head of experiments/REFERENCE.md has the command that makes it again";
 }
 
 }  // namespace
