@@ -17,7 +17,7 @@
 // deviations of its mean; k is the number of photons of the largest disc, n that of the disc that would be chosen.
 // The probability of choosing that disc without need thus falls by n / k, because its variance is larger by k / n.
 //
-// Cost on evenly spread photons (k = 500; tests/methods/parts/density/bias_compensation_test.cpp): rare false alarms
+// Cost on evenly spread photons (k = 500; tests/methods/parts/density/density_estimate_test.cpp): rare false alarms
 // raise the mean by 0.3 to 0.5 %, below the tested bound of 1 %, and the standard deviation from 0.045 to 0.065.
 // Where the surface ends inside the disc, the areas compared here are not yet corrected for it, so the disc may stop
 // growing too early.
