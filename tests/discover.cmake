@@ -1,9 +1,9 @@
 # Makes a test of ctest of each suite of a GoogleTest program, which then runs in one process and shares its scenes,
 # trees and references: cmake -DPROGRAM=... -DNAME=... -DSOURCE=... -DOUTPUT=... -DSECONDS=... -P discover.cmake, after each build of the program.
-# A suite of more than 100 tests is split into shards. quick_tests.txt names the suites with the label `quick`,
+# A suite of more than 50 tests is split into shards. quick_tests.txt names the suites with the label `quick`,
 # nightly_tests.txt the suites and single tests with the label `nightly`.
 cmake_minimum_required(VERSION 3.25)
-set(tests_per_shard 100)
+set(tests_per_shard 50)
 
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
+#include <functional>
 #include <string>
 
 namespace gib::test {
@@ -26,9 +28,11 @@ struct Rendered {
     RunCounts counts;
 };
 
-/// The image and the counts of a method after `passes` passes, or earlier if it converges.
+/// The image and the counts of a method after `passes` passes, or earlier if it converges or if its image after 16, 32, 64, ...
+/// passes is `enough`.
 inline Rendered render_and_count(const LoadedScene& scene, const std::string& label, std::uint32_t passes,
-                                 std::uint64_t seed = 1, int threads = 0) {
+                                 std::uint64_t seed = 1, int threads = 0,
+                                 const std::function<bool(const ComponentImages&)>& enough = {}) {
     Rendered result;
     with_threads(threads, [&] {
         const MethodLabel parsed = MethodLabel::parse(label);
@@ -37,8 +41,10 @@ inline Rendered render_and_count(const LoadedScene& scene, const std::string& la
             description.create(ParameterValues(all_parameters(description), parsed), MethodDefaults{scene.max_edges});
         StageTimes stages;
         const auto run = method->start(*scene.scene, seed, stages);
-        for (std::uint32_t pass = 0; pass < passes; ++pass)
+        for (std::uint32_t pass = 0; pass < passes; ++pass) {
             if (run->advance(pass) == Progress::converged) break;
+            if (enough && pass >= 15 && std::has_single_bit(pass + 1) && enough(run->image())) break;
+        }
         EXPECT_EQ(run->counts().non_finite.count, 0u) << label;
         result = {run->image(), run->counts()};
     });
