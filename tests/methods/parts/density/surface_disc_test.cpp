@@ -257,8 +257,8 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     auto walk = trace_photons(scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
     const PhotonMap map(walk.photons, walk.unit);
     const FlatRegions regions(scene, FlatRegions::resolution_for(200000));
-    for (const std::size_t nearest : {std::size_t{50}, all_photons}) {
-        DensityEstimator with{Kernel::uniform, nearest, 0.01f * scene.diagonal(), DiscArea::surface};
+    for (const std::size_t count : {std::size_t{50}, all_photons}) {
+        DensityEstimator with{Kernel::uniform, count, 0.01f * scene.diagonal(), DiscArea::surface};
         const DensityEstimator without = with;
         with.flat_regions = &regions;
         RayQueries rays(scene), probed(scene);
