@@ -108,7 +108,8 @@ TEST_P(EveryMaterial, ShowsItsAlbedoInAWhiteFurnace) {
 }
 
 class MaskedLight : public OfAMethod {};
-INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(methods_that_sample_pixels()), name_of_method);
+INSTANTIATE_TEST_SUITE_P(Registry, MaskedLight, testing::ValuesIn(methods_that_sample_pixels(Work::small)),
+                         name_of_method);
 
 // The sun is above two black masks, a floor below them and the camera between masks and floor. A shadow ray is dimmed
 // by both masks. Nothing is left to chance, so the tolerance is rounding alone.

@@ -24,7 +24,8 @@ std::string pane(double z, double eta, const std::string& more = "") {
 }
 
 class ThinSheets : public OfAMethod {};
-INSTANTIATE_TEST_SUITE_P(Registry, ThinSheets, testing::ValuesIn(methods_that_sample_pixels()), name_of_method);
+INSTANTIATE_TEST_SUITE_P(Registry, ThinSheets, testing::ValuesIn(methods_that_sample_pixels(Work::small)),
+                         name_of_method);
 
 // A path over a sheet that reflects has two edges, but one straight on has one, however many sheets are in its way. Under a
 // sky of radiance 1, n sheets let T^n straight on, and the k-th sends R through k - 1 others twice. The camera looks along

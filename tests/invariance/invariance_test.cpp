@@ -129,7 +129,7 @@ const std::vector<ComparedMethod>& compared_methods() {
         for (const MethodUnderTest& method : methods_under_test(Work::tiny)) {
             const bool unbiased = method.description->unbiased, joins = method.runs(pass_connections);
             all.push_back({method, unbiased || method.estimates_bias() ? Needs::nothing : Needs::same_patches,
-                           unbiased ? 16u : 4u, unbiased && !joins ? most_scenes : 6});
+                           unbiased ? 16u : 4u, unbiased && !joins && method.samples_pixels() ? most_scenes : 6});
         }
         const std::string radii = " k=all radius=0.05 caustic_radius=0.03 volume_radius=0.05",
                           nearest = " k=10 projection=off", map = "photon_mapper photons=500";

@@ -112,8 +112,8 @@ inline std::vector<MethodUnderTest> pilot_variants() {
 }
 
 /// Those of the methods that take samples of each pixel.
-inline std::vector<MethodUnderTest> methods_that_sample_pixels() {
-    auto methods = methods_under_test();
+inline std::vector<MethodUnderTest> methods_that_sample_pixels(Work work = Work::defaults) {
+    auto methods = methods_under_test(work);
     std::erase_if(methods, [](const MethodUnderTest& method) { return !method.samples_pixels(); });
     return methods;
 }
