@@ -4,6 +4,7 @@
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"
+#include "experiments/plan/run_options.h"
 #include "methods/parameters.h"
 
 #include <cstdint>
@@ -48,7 +49,7 @@ struct Experiment {
     std::vector<ExperimentScene> scenes;
     std::vector<std::string> paths;  ///< folders that are searched for the scenes' files, as the program opens them
     std::optional<std::pair<int, int>> resolution;  ///< width, height instead of the scenes' own
-    int seeds = 1;                                  ///< number of seeds, which are 1 to this
+    int seeds = default_seeds;                      ///< number of seeds, which are 1 to this
     /// The epsilon of relative errors [radiance^2]; none: relative to each reference, the default (epsilon.h).
     std::optional<double> epsilon;
     Budget budget;

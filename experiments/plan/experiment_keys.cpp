@@ -2,7 +2,6 @@
 
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/run_options.h"
-#include "experiments/plan/tune_file.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +21,7 @@ DeclaredTable keys_of_the_file() {
               "where the scenes' files are searched for, after each scene's own folder"},
              {"resolution", fmt::format("`[width, height]`, 1 to {}; default: each scene's own", most_pixels_across),
               "size of every image in pixels"},
-             {"seeds", fmt::format("{}; default {}", whole(most_seeds), Experiment().seeds),
+             {"seeds", fmt::format("{}; default {}", whole(most_seeds), default_seeds),
               "each method renders each scene with the seeds 1 to this number; 1 leaves bias^2, variance and the "
               "intervals over the seeds empty"},
              {"epsilon", fmt::format("number, {:g} to {:g}; default: (0.1 m)^2", smallest_epsilon, largest_epsilon),
@@ -82,12 +81,12 @@ DeclaredTable keys_of_a_command() {
 DeclaredTable keys_of_tune() {
     return {"[tune]",
             "searches the cheapest settings on each scene, with the options of `gibench tune`",
-            {{"target", fmt::format("`\"5%\"` or `0.05`; default {}", TuneFile().target), "relative RMSE to reach"},
+            {{"target", fmt::format("`\"5%\"` or `0.05`; default {}", default_tuning_target), "relative RMSE to reach"},
              {"method", "list of names or labels; default: every method",
               "methods that are searched; parameters that a label gives stay"},
              {"vary", "list of texts such as `\"radius=0.05..0.2\"` or `\"kernel=cone,gaussian\"`",
               "what is searched besides the parameters that declare a span (`gibench list methods --parameters`)"},
-             {"minutes", fmt::format("number above 0; default {:g}", TuneFile().minutes), "time for each scene"}}};
+             {"minutes", fmt::format("number above 0; default {:g}", default_tuning_minutes), "time for each scene"}}};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace gib {
 
@@ -12,6 +13,11 @@ inline constexpr int most_seeds = 100000;
 inline constexpr int most_budget_passes = 1 << 30;
 inline constexpr int most_threads = 4096;
 inline constexpr int most_pixels_across = 1 << 16;
+
+// Defaults of an experiment file.
+inline constexpr int default_seeds = 1;
+inline constexpr std::string_view default_tuning_target = "2%";
+inline constexpr double default_tuning_minutes = 20;
 
 struct RepeatPlan;
 

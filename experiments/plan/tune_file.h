@@ -2,6 +2,7 @@
 // An experiment file with `[tune]` asks for the cheapest settings on each of its scenes, as `gibench tune` does for one.
 
 #include "experiments/plan/experiment_file.h"
+#include "experiments/plan/run_options.h"
 
 #include <optional>
 #include <string>
@@ -11,14 +12,14 @@ namespace gib {
 
 struct TuneFile {
     Experiment head;  ///< title, scenes, paths, resolution and epsilon; without methods
-    std::string target = "2%";
+    std::string target{default_tuning_target};
     std::vector<std::string> methods;  ///< labels; empty: every method
     struct Text {
         std::string text;
         SourceLocation where;
     };
-    std::vector<Text> variations;  ///< such as "photons=1e4..1e7"
-    double minutes = 20;           ///< time for each scene
+    std::vector<Text> variations;             ///< such as "photons=1e4..1e7"
+    double minutes = default_tuning_minutes;  ///< time for each scene
 };
 
 /// Reads an experiment file with `[tune]`; empty if it has none. Throws InputError (`file:line:column: message`) for

@@ -8,8 +8,8 @@ namespace gib {
 namespace {
 
 constexpr double fair_times = 3, least_times = 1.5;  // of the shortest time
-constexpr int fewest_seeds = 3;             // that of the search and two fresh ones, which have an interval
-constexpr double shortest_budget = 0.01;    // [s]; one pass always completes
+constexpr int fewest_seeds = 3;                      // that of the search and two fresh ones, which have an interval
+constexpr double shortest_budget = 0.01;             // [s]; one pass always completes
 
 }  // namespace
 
@@ -24,7 +24,8 @@ FinalPlan plan_finals(const FinalNeeds& needs) {
     std::size_t labels = needs.labels;
     while (labels > needs.least && share(labels, needs.seeds) < least_times * needs.shortest)
         --labels;
-    const double fair = std::clamp(share(labels, needs.seeds), least_times * needs.shortest, fair_times * needs.shortest);
+    const double fair =
+        std::clamp(share(labels, needs.seeds), least_times * needs.shortest, fair_times * needs.shortest);
     return {labels, std::max(std::min(fair, share(labels, fewest_seeds)), shortest_budget)};
 }
 

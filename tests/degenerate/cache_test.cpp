@@ -4,7 +4,6 @@
 #include "common/core/float_traps.h"
 #include "methods/parts/gathering/irradiance_cache.h"
 #include "tests/support/hard_cases.h"
-#include "tests/support/scene_text.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
 #include "tests/support/scene_text.h"
