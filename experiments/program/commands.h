@@ -45,7 +45,7 @@ int list_effects(std::ostream& out);
 /// Keys of an experiment file, and columns of the CSV files; as Markdown they make experiments/REFERENCE.md.
 int list_keys(bool markdown, std::ostream& out);
 int list_columns(bool markdown, std::ostream& out);
-/// What list_keys() prints.
+/// The lines that list_keys() prints.
 std::string key_help();
 /// Name, default, unit, range and sentence of every parameter of every method.
 std::string parameter_help();

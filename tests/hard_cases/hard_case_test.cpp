@@ -77,7 +77,7 @@ TEST_P(HardCaseTable, Holds) {
     EXPECT_EQ(judge(hard, refused, tail(), hard_cases().resolve).problem, "");
 }
 
-// What a method leaves out is declared; the rest it is held to, and that is much.
+// A method declares what it leaves out; it is held to the rest, and that is much.
 TEST(HardCases, HoldEveryMethodToManyAnswers) {
     std::map<std::string, int> answers;
     for (const auto& [hard, method] : pairs()) {

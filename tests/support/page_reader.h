@@ -1,5 +1,5 @@
 #pragma once
-// What the pages of the program hold: elements with data, and bytes as text.
+// Readers of the program's pages: elements with data, and bytes as text.
 
 #include <gtest/gtest.h>
 

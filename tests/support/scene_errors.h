@@ -21,7 +21,7 @@ inline std::string scene_error(const std::string& body, const std::string& path 
     return input_error_of([&] { parse_scene(scene_with(body), path, options); });
 }
 
-/// What is wrong, the place of the error (line:column, or "" for any), and a part of what it says.
+/// Wrong content, the place of its error (line:column, or "" for any), and a part of the message.
 struct ExpectedError {
     std::string content, place, message;
 };

@@ -1,4 +1,4 @@
-// What was made elsewhere: commands of other renderers as methods of an experiment, and references (`image` in
+// Things made elsewhere: commands of other renderers as methods of an experiment, and references (`image` in
 // [reference]). The renderer is toy_renderer.sh, which is right, too dark, or fails in one way.
 
 #include "common/images/image_file.h"

@@ -1,4 +1,4 @@
-// What is judged by a noisy reference: equal footing, where images that are too bright or too dark are found and images that
+// Judgements by a noisy reference: equal footing, where images that are too bright or too dark are found and images that
 // are only noisy or blurred are not; the epsilon of relative errors, by which no relative number depends on the unit of
 // light; and the bias that a reference knows, in its file and in what is judged by it.
 

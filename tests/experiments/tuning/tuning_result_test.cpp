@@ -1,4 +1,4 @@
-// What a tuning says of times that the test sets: factors, speed over the defaults, changes, what was cut; and `gibench tune`
+// Sentences of a tuning on times that the test sets: factors, speed over the defaults, changes, what was cut; and `gibench tune`
 // and an experiment with [tune] as commands on a tiny scene.
 #include "experiments/tuning/tuning_page.h"
 #include "experiments/tuning/tuning_text.h"
