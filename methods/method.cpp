@@ -100,11 +100,22 @@ ShownComponents shown_components(const Scene& scene, const Effects& effects, con
     return components;
 }
 
-std::vector<std::string> names_of_comparable_methods() {
+namespace {
+
+std::vector<std::string> names_of_methods_with(bool MethodDescription::*property) {
     std::vector<std::string> names;
     for (const auto& method : method_registry())
-        if (method.estimates_radiance) names.push_back(method.name);
+        if (method.*property) names.push_back(method.name);
     return names;
+}
+
+}  // namespace
+
+std::vector<std::string> names_of_comparable_methods() {
+    return names_of_methods_with(&MethodDescription::estimates_radiance);
+}
+std::vector<std::string> names_of_methods_that_store_light() {
+    return names_of_methods_with(&MethodDescription::stores_light);
 }
 
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where) {

@@ -105,6 +105,8 @@ struct RunCounts {
 
 enum class Progress { more, converged };
 
+struct StoredLight;
+
 /// The computation of one method for one scene and one seed; it is never reused.
 class Run {
 public:
@@ -119,6 +121,8 @@ public:
     /// Further facts about the result so far, as pairs of a name (one word) and a value,
     /// such as `residual` and `5.1e-05`.
     virtual std::vector<std::pair<std::string, std::string>> facts() const { return {}; }
+    /// The light that is kept in the scene and not in the image (parts/stored_light/stored_light.h); by default none.
+    virtual StoredLight stored_light() const;
 };
 
 class Method {
@@ -154,6 +158,7 @@ struct MethodDescription {
     /// False if its images show something else than radiance; such a method is left
     /// out wherever methods are compared.
     bool estimates_radiance = true;
+    bool stores_light = false;  ///< its runs have a stored_light() of their own
 };
 
 /// The parameters that every method takes: spp and max_depth.
@@ -187,6 +192,8 @@ ShownComponents shown_components(const Scene& scene, const Effects& effects, con
 const std::vector<MethodDescription>& method_registry();
 /// The names of the methods that estimate radiance.
 std::vector<std::string> names_of_comparable_methods();
+/// The names of the methods whose runs store light.
+std::vector<std::string> names_of_methods_that_store_light();
 /// The method of this name. Throws InputError, with a list of the methods, if there is none.
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where = {});
 /// The method of this name for a measurement. Throws InputError if there is none or if it estimates no radiance.

@@ -13,9 +13,9 @@
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
 // A pass: one path from the camera for every pixel, and as many light paths.
 // Fails: never; non-finite samples are counted and dropped.
-#include "methods/bidirectional/joined_paths.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 namespace gib {
 

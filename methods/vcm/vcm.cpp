@@ -17,10 +17,10 @@
 // for every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/scene/scene.h"
-#include "methods/bidirectional/joined_paths.h"
 #include "methods/parts/density/progressive_parameters.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 #include <fmt/format.h>
 

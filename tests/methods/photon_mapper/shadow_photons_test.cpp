@@ -1,8 +1,8 @@
 // Shadow photons: their verdicts on lights against exact visibility, and direct light
 // sampled with them against plain direct light.
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
-#include "methods/photon_mapper/light_visibility.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 #include "methods/photon_mapper/photon_mapper.h"
 #include "tests/support/seed_means.h"
 

@@ -6,7 +6,7 @@
 #include "methods/parts/density/biased_film.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "methods/parts/gathering/cached_gather.h"
-#include "methods/photon_mapper/light_visibility.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 
 namespace gib {
 

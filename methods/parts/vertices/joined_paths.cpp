@@ -1,4 +1,4 @@
-#include "methods/bidirectional/joined_paths.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 #include "common/images/splat_film.h"
 #include "common/scene/scene.h"

@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/eye_pass.h"
+#include "methods/parts/photon_mapping/eye_pass.h"
 
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/pixel_samples.h"

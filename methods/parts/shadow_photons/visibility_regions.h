@@ -6,7 +6,7 @@
 // longest axis of its photons. A verdict of a region holds in all its parts, so a light's verdict comes from the
 // largest region in which the photons of the light agree.
 
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
 #include <memory>
 #include <vector>

@@ -29,8 +29,8 @@
 // than 8 photons for each light share one tree, in which all lights stay open.
 
 #include "common/sampling/sampler.h"
+#include "methods/parts/shadow_photons/visibility_regions.h"
 #include "methods/parts/transport/ray_queries.h"
-#include "methods/photon_mapper/visibility_regions.h"
 
 #include <unordered_map>
 

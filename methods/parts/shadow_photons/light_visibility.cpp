@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/light_visibility.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 
 #include "common/core/parallel.h"
 #include "methods/parts/density/surface_disc.h"

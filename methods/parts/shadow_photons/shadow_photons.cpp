@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
 #include "common/lights/light_choice.h"
 #include "common/sampling/sampler.h"
