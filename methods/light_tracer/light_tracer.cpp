@@ -32,7 +32,7 @@ public:
         : scene_(scene),
           points_(points),
           seed_(seed),
-          max_edges_(max_edges),
+          rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
           follows_(plan.runs(pass_light_paths)),
           paths_(scene, plan, stages),
@@ -75,7 +75,7 @@ private:
         add(sample_light_from_camera(rays, paths_, splats_, camera_numbers.at_vertex(0), flights));
         const auto start = follows_ ? paths_.emission.sample(sampler) : std::nullopt;
         if (!start) return;
-        LightWalk(rays, sampler, max_edges_, paths_, to_the_camera, *start,
+        LightWalk(rays, sampler, paths_, rules_, *start,
                   [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
                       add(connect_to_camera(rays, vertex, paths_, splats_, {u.light_position(), u.light_choice()},
                                             flights_of_path));
@@ -88,7 +88,7 @@ private:
     const Scene& scene_;
     PointSet points_;
     std::uint64_t seed_;
-    int max_edges_;
+    PathRules rules_;
     bool lit_, follows_;
     LightPaths paths_;
     Film film_;

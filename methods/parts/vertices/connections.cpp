@@ -80,7 +80,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 }  // namespace
 
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const VertexNumbers& u, NumberStream& flights, const Techniques& used) {
+                                           const Techniques& used, const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.lit(), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
@@ -98,12 +98,12 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
     const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
     const double emission = paths.emission.density(light->light, emitting, -light->wi, light->cos_light);
-    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);
+    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);  // (44)
     // Across the light's surface both the emission and its cosine are 0.
     const double step =
         emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
-    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);
-    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));
+    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);  // (45)
+    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));            // (37)
     return path;
 }
 
@@ -129,10 +129,11 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
                 eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
                     static_cast<float>(paths.power * to_light));
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from, w), light_pdf = direction_pdfs(light, -w, light.from);
-    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);
+    const bool focuses = light.sums.merging().focuses();
+    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
-        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, light.sums.focuses());
-    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));
+        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
+    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));                          // (37)
     return path;
 }
 
@@ -157,8 +158,9 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
                 light.beta * visible * static_cast<float>(paths.power * seen->density * per_area));
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
-    const double others = squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);
-    splat.connection.weight = static_cast<float>(1 / (1 + others));
+    const double others =
+        squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);  // (46)
+    splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }
 

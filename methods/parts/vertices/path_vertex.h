@@ -115,14 +115,9 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
             double{hit.bsdf->pdf_w_local(light_local, camera_local, Lobes::all, Transport::power)}};
 }
 
-/// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (technique_sums.h).
+/// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
 inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
     return hit.delta_only || !hit.bsdf->traits_at(hit.shading.to_local(wo).z()).diffuse;
-}
-
-/// Techniques' n of a vertex at p in a medium.
-inline double merging_at(const Techniques& used, const Medium& medium, const Vec3& p) {
-    return used.merging_in_media > 0 ? used.merging_in_media * double{medium.scattering_at(p).maxCoeff()} : 0;
 }
 
 /// Scatters the walk in its medium and takes the sums past the event. Returns the direction.

@@ -1,0 +1,58 @@
+#include "methods/parts/vertices/merged_vertices.h"
+
+#include "methods/parts/density/first_radius.h"
+
+namespace gib {
+
+MergedVertices::MergedVertices(const Scene& scene, const LightPaths& paths, const MergingSettings& settings,
+                               bool follows_specular, std::uint64_t seed)
+    : scene_(scene),
+      paths_(paths),
+      settings_(settings),
+      shrinking_(settings.alpha),
+      follows_specular_(follows_specular),
+      seed_(seed),
+      first_radius_(settings.radius * double{scene.diagonal()}),
+      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}) {}
+
+void MergedVertices::start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays) {
+    const std::uint64_t key = combine_keys(seed_, pass);
+    if (pass == 0 && !(first_radius_ > 0 && first_radius_in_media_ > 0)) find_first_radii(rules, key, rays);
+    const std::uint64_t passes_before = settings_.first_pass + pass;
+    const double r = first_radius_ * shrinking_.on_surfaces(passes_before);
+    const double in_media = first_radius_in_media_ * shrinking_.in_media(passes_before);
+    radii_ = {settings_.kernel, static_cast<float>(r), static_cast<float>(in_media)};
+    rules.merging = {paths_.count * std::numbers::pi * sqr(r),  // (20)
+                     paths_.count * 4 / 3 * std::numbers::pi * sqr(in_media) * in_media};
+    map_ = LightVertexMap();  // gives its memory back
+    map_ = LightVertexMap(scene_, paths_, rules, key, rays);
+    light_paths_ += static_cast<std::uint64_t>(paths_.count);
+}
+
+/// Finds the radii that are not given from the paths of a pilot.
+void MergedVertices::find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays) {
+    rules.merging = {1, 1};
+    const std::uint64_t passes = pilot_passes(paths_.count);
+    std::vector<LightVertex> vertices;
+    for (std::uint64_t pass = 0; pass < passes; ++pass) {
+        const LightVertexMap map(scene_, paths_, rules, combine_keys(seed, pass), rays);
+        for (std::size_t i = 0; i < map.vertices().size(); ++i)
+            vertices.push_back(map.vertices()[i]);
+    }
+    const KdTree<LightVertex> tree(vertices);
+    const SeenPlaces seen = seen_places(scene_, {rules.max_edges, false, follows_specular_}, seed_, rays);
+    const auto radius = [&](const std::vector<Vec3>& places, bool on_surfaces) {
+        return first_radius(tree, static_cast<double>(passes), places, most_merged, on_surfaces ? 2 : 3,
+                            scene_.diagonal(), [&](const LightVertex& vertex) {
+                                return vertex.on_surface == on_surfaces ? double{vertex.power().mean()} : 0;
+                            });
+    };
+    if (!(first_radius_ > 0)) first_radius_ = radius(seen.on_surfaces, true);
+    if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(seen.in_media, false);
+}
+
+std::vector<std::pair<std::string, std::string>> MergedVertices::facts() const {
+    return {radius_fact("radius", first_radius_, scene_), radius_fact("volume_radius", first_radius_in_media_, scene_)};
+}
+
+}  // namespace gib
