@@ -118,8 +118,7 @@ private:
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal(),
-                            [](const Photon& photon) { return double{photon.power().mean()}; });
+                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
     void find_first_radii() {

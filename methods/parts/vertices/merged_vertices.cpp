@@ -33,22 +33,21 @@ void MergedVertices::start_pass(std::uint32_t pass, PathRules& rules, std::uint6
 void MergedVertices::find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays) {
     rules.merging = {1, 1};
     const std::uint64_t passes = pilot_passes(paths_.count);
-    std::vector<LightVertex> vertices;
+    std::vector<Photon> on_surfaces, in_media;
     for (std::uint64_t pass = 0; pass < passes; ++pass) {
         const LightVertexMap map(scene_, paths_, rules, combine_keys(seed, pass), rays);
-        for (std::size_t i = 0; i < map.vertices().size(); ++i)
-            vertices.push_back(map.vertices()[i]);
+        for (std::size_t i = 0; i < map.vertices().size(); ++i) {
+            const LightVertex vertex = map.vertices()[i];
+            (vertex.on_surface ? on_surfaces : in_media).emplace_back(vertex.p, vertex);
+        }
     }
-    const KdTree<LightVertex> tree(vertices);
     const SeenPlaces seen = seen_places(scene_, {rules.max_edges, false, follows_specular_}, seed_, rays);
-    const auto radius = [&](const std::vector<Vec3>& places, bool on_surfaces) {
-        return first_radius(tree, static_cast<double>(passes), places, most_merged, on_surfaces ? 2 : 3,
-                            scene_.diagonal(), [&](const LightVertex& vertex) {
-                                return vertex.on_surface == on_surfaces ? double{vertex.power().mean()} : 0;
-                            });
+    const auto radius = [&](const std::vector<Photon>& photons, const std::vector<Vec3>& places, int dimensions) {
+        return first_radius(PhotonMap(photons, 1), static_cast<double>(passes), places, most_merged, dimensions,
+                            scene_.diagonal());
     };
-    if (!(first_radius_ > 0)) first_radius_ = radius(seen.on_surfaces, true);
-    if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(seen.in_media, false);
+    if (!(first_radius_ > 0)) first_radius_ = radius(on_surfaces, seen.on_surfaces, 2);
+    if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(in_media, seen.in_media, 3);
 }
 
 std::vector<std::pair<std::string, std::string>> MergedVertices::facts() const {
