@@ -10,9 +10,8 @@ namespace gib {
 
 namespace {
 
-/// Least probability `rest` of a choice among all lights: with `guide`, where a ray tests every choice, and with
-/// `both`, where settled lights are not tested.
-constexpr double least_rest_of_guide = 0.05, least_rest_of_both = 0.01;
+/// Least probability `rest` of a choice among all lights.
+constexpr double least_rest = 0.05;
 /// A light with a smaller probability than this in a region is left to the choice among all lights, as random numbers
 /// of 24 bits resolve smaller probabilities too coarsely.
 constexpr double least_probability = 0x1p-16;
@@ -59,7 +58,7 @@ std::vector<SurfacePhotons> by_surface(const std::vector<ShadowPhoton>& photons,
 
 LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons,
                                  const ShadowPhotonSettings& settings)
-    : scene_(scene), skips_(settings.skips()), guides_(settings.guides()), words_((scene.lights().size() + 63) / 64) {
+    : scene_(scene), skips_(settings.use == Shadows::skip), words_((scene.lights().size() + 63) / 64) {
     std::vector<SurfacePhotons> surfaces = by_surface(photons, scene.lights().size());
     std::vector<std::unique_ptr<VisibilityRegion>> regions(surfaces.size());
     std::vector<double> power_per_photon(surfaces.size());
@@ -100,7 +99,7 @@ void LightVisibility::append(const VisibilityRegion& from, std::uint32_t to, dou
 LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& from, double power_per_photon) {
     dark_.resize(dark_.size() + words_);
     std::uint64_t* const dark = dark_.data() + regions_.size() * words_;
-    // With `skip` and `both` a dark light is taken to add nothing, so it is neither chosen nor listed.
+    // With `skip` a dark light is taken to add nothing, so it is not listed.
     const auto is_listed = [&](const LightEvidence& light) { return !skips_ || light.verdict != LightVerdict::dark; };
     double expected = 0;
     for (const LightEvidence& light : from.lights) {
@@ -116,7 +115,6 @@ LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& f
 
     Region region{static_cast<std::uint32_t>(entries_.size()), 0, 1.f};
     const std::size_t unknown_lights = scene_.lights().size() - from.lights.size();
-    bool is_complete = unknown_lights == 0;
     double begin = 0;
     for (const LightEvidence& light : from.lights) {
         if (!is_listed(light)) continue;
@@ -125,18 +123,14 @@ LightVisibility::Region LightVisibility::append_lights(const VisibilityRegion& f
         if (is_chosen(light)) {
             begin = std::min(1.0, begin + light.expected() / chosen);
             entry.probability = static_cast<float>(begin) - entry.begin;
-        } else {
-            is_complete = false;
         }
         entries_.push_back(entry);
         ++region.count;
     }
-    if (!guides_) return region;
+    if (skips_ || !(chosen > 0)) return region;
     // A light without a photon on the whole surface is expected to add as much as half a photon would.
     const double unknown = 0.5 * power_per_photon * static_cast<double>(unknown_lights) * from.share;
-    const double least = skips_ ? (is_complete ? 0 : least_rest_of_both) : least_rest_of_guide;
-    if (chosen > 0) region.rest = static_cast<float>(std::max(least, unknown / (expected + unknown)));
-    else if (skips_ && is_complete) region.rest = 0.f;
+    region.rest = static_cast<float>(std::max(least_rest, unknown / (expected + unknown)));
     return region;
 }
 
@@ -171,7 +165,7 @@ LightVerdict LightVisibility::verdict_in(std::uint32_t region, std::uint32_t lig
 
 float LightVisibility::probability_in(std::uint32_t region, const LitPoint& at, std::uint32_t light) const {
     const float by_scene = scene_.light_tree().probability(at, light);
-    if (region == no_region || !guides_) return by_scene;
+    if (region == no_region || skips_) return by_scene;
     const Entry* const entry = entry_of(regions_[region], light);
     const float rest = regions_[region].rest;
     return rest * by_scene + (entry ? (1.f - rest) * entry->probability : 0.f);
@@ -188,10 +182,9 @@ float LightVisibility::probability(const SurfaceHit& hit, const Vec3& wo, std::u
 std::optional<LightVisibility::Choice> LightVisibility::choose(const SurfaceHit& hit, const Vec3& wo, float u) const {
     const std::uint32_t at = region_at(hit, wo);
     const LitPoint lit = hit.lit_for(wo);
-    const float by_region = at == no_region || !guides_ ? 0.f : 1.f - regions_[at].rest;
+    const float by_region = at == no_region || skips_ ? 0.f : 1.f - regions_[at].rest;
     if (u < by_region) {
         const Region& region = regions_[at];
-        if (region.count == 0) return std::nullopt;
         const Entry* const first = entries_.data() + region.first;
         const float v = u / by_region;
         const Entry* found = std::upper_bound(first, first + region.count, v,

@@ -17,13 +17,11 @@
 // the visibility V.
 //  - guide: a ray finds V. The estimate is unbiased whatever the photons say, as P(l) > 0
 //    for every light that shines.
-//  - skip, both: V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region see the share
-//    v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and then (1 - v)
-//    E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of the two has
-//    a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of shadows; a
-//    larger `agreeing` makes it rarer.
-//  - skip: P(l) = P_scene(l).
-//  - both: w_l is 0 for a dark light, and `rest` is at least 1 %, or 0 where every light has photons.
+//  - skip: P(l) = P_scene(l), and V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region
+//    see the share v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and
+//    then (1 - v) E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of
+//    the two has a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of
+//    shadows; a larger `agreeing` makes it rarer.
 //
 // Surfaces are told apart by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
 // than 8 photons for each light share one tree, in which all lights stay open.
@@ -91,7 +89,7 @@ private:
     float probability_in(std::uint32_t region, const LitPoint& at, std::uint32_t light) const;
 
     const Scene& scene_;
-    bool skips_, guides_;
+    bool skips_;                                              ///< Shadows::skip; else Shadows::guide
     std::unordered_map<std::uint64_t, std::uint32_t> roots_;  ///< node of a surface's root, by SurfaceSide::key()
     std::array<std::uint32_t, side_count> shared_roots_;      ///< roots of the small surfaces, by side; or no_root
     std::vector<Node> nodes_;

@@ -57,8 +57,8 @@ std::vector<Parameter> shadow_photon_parameters() {
     return {
         count_parameter("shadow_photons", "0", "photons", "emitted to learn which lights each surface sees; 0: none"),
         choice_parameter("shadows", strings(shadows_names),
-                         "use of shadow photons: choose lights without bias (guide), leave out shadow rays where they "
-                         "agree (skip), or do both (both)"),
+                         "use of shadow photons: choose lights without bias (guide), or leave out shadow rays where "
+                         "they agree (skip)"),
         integer_parameter("shadow_k", "32", "photons", 1, 1e6,
                           "number of a light's shadow photons that must agree before they are believed"),
     };
