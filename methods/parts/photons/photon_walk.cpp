@@ -53,12 +53,8 @@ public:
     /// Follows the photon, which the light has emitted with this power, in the result's unit.
     void trace(const Light& light, const Color& power) {
         at_.beta = power;
-        residual_ = power.cast<double>();
-        result_.balance.emitted += residual_;
         walk_.come_from(light);
-        account(power - at_.beta, result_.balance.lost_in_media);
         if (!is_black(at_.beta)) follow();
-        result_.balance.squared_residuals += residual_ * residual_;
     }
 
 private:
@@ -70,27 +66,20 @@ private:
         while (allows_edge(at_.vertex + 1)) {
             const Color before = at_.beta;
             const Flight flight = walk_.fly();
-            if (at_.medium) account(before - at_.beta, result_.balance.lost_in_media);
             if (flight.is_black) return;
             if (flight.scattering_at) {
                 if (!scatter_in_medium(*flight.scattering_at, before)) return;
                 continue;
             }
             auto hit = walk_.surface_hit();
-            if (!hit) {
-                account(at_.beta, result_.balance.escaped);
-                return;
-            }
+            if (!hit) return;
             const Vec3 wo = walk_.wo(), wo_local = hit->shading.to_local(wo);
             // The photon is stored before it may pass a hole, as an eye path decides for itself
             // whether the surface is there.
             if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
                 result_.photons.emplace_back(hit->p, at_.beta, wo, normal_towards(*hit, wo), at_.vertex + 1,
                                              at_.path_class.in_medium, at_.stratum);
-            const Color arriving = at_.beta;
-            const bool passes = walk_.passes_through(*hit);
-            account(arriving - at_.beta, result_.balance.absorbed);
-            if (passes) continue;
+            if (walk_.passes_through(*hit)) continue;
             walk_.disperse(*hit, dimension::photon_stratum);
             if (!scatter(*hit, wo_local)) return;
         }
@@ -111,12 +100,6 @@ private:
                 return false;
         }
         return false;
-    }
-
-    /// Books power that leaves the path in `part` of the balance.
-    void account(const Color& power, Colord& part) {
-        part += power.cast<double>();
-        residual_ -= power.cast<double>();
     }
 
     /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
@@ -147,7 +130,6 @@ private:
     bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
-        account(at_.beta * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return false;
@@ -165,7 +147,6 @@ private:
     PhotonMapKind kind_;
     int max_edges_;
     PhotonWalkResult& result_;
-    Colord residual_ = Colord::Zero();  ///< power that the balance has not accounted for
 };
 
 /// Calls visit(start, first, sampler) for the photons [begin, end), where `first` is the start's
@@ -216,24 +197,6 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
 
 }  // namespace
 
-PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
-    emitted += other.emitted;
-    absorbed += other.absorbed;
-    escaped += other.escaped;
-    lost_in_media += other.lost_in_media;
-    squared_residuals += other.squared_residuals;
-    return *this;
-}
-
-PowerBalance& PowerBalance::operator*=(double factor) {
-    emitted *= factor;
-    absorbed *= factor;
-    escaped *= factor;
-    lost_in_media *= factor;
-    squared_residuals *= factor * factor;
-    return *this;
-}
-
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log) {
     PhotonWalkResult result;
@@ -266,11 +229,8 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
                                       std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
 
     result.photons = joined(parts, &PhotonWalkResult::photons);
-    for (const PhotonWalkResult& block : parts) {
+    for (const PhotonWalkResult& block : parts)
         result.rays += block.rays;
-        result.balance += block.balance;
-    }
-    result.balance *= result.unit;
     return result;
 }
 
