@@ -95,9 +95,7 @@ private:
         const Color bias = (double{bias_of_difference} * (density - narrow) * arriving).cast<float>() * eye_.beta;
         const auto add_class = [&](const Color& lobe, LobeKind kind) {
             if (is_black(lobe)) return;
-            PathClass path = eye_.hit ? eye_.path_class.after(kind) : eye_.path_class;
-            path.in_medium |= !eye_.hit;
-            const Component c = path.followed_by(light.path_class).component();
+            const Component c = eye_.ending_with(kind).followed_by(light.path_class).component();
             sample_.light[c] += lobe * value;
             sample_.bias[c] += lobe * bias;
         };

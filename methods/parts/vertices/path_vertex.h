@@ -51,6 +51,15 @@ struct PathVertex {
         const LobeTraits& lobes = hit->bsdf->traits_at(from_local.z());
         return !hit->delta_only && (lobes.diffuse || lobes.glossy);
     }
+    /// The class of the path with this vertex, scattered by a lobe of this kind, as the last one of the camera's walk
+    /// or as the first one that the camera's walk meets of the light's. A medium has no kinds of lobes.
+    PathClass ending_with(LobeKind kind) const { return hit ? path_class.after(kind) : path_in_medium(); }
+    PathClass beginning_with(LobeKind kind) const { return hit ? path_class.preceded_by(kind) : path_in_medium(); }
+    PathClass path_in_medium() const {
+        PathClass path = path_class;
+        path.in_medium = true;
+        return path;
+    }
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
     /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
