@@ -26,16 +26,9 @@ constexpr double bytes_per_photon = sizeof(Photon) + 29;
 
 /// Name of the parameter for the number of photons that are emitted for a map of this kind.
 const char* name_of(PhotonMapKind kind) {
-    switch (kind) {
-        case PhotonMapKind::caustic:
-            return "caustic_photons";
-        case PhotonMapKind::volume:
-            return "volume_photons";
-        case PhotonMapKind::global:
-        case PhotonMapKind::full:
-            break;
-    }
-    return "photons";
+    return kind == PhotonMapKind::caustic  ? "caustic_photons"
+           : kind == PhotonMapKind::volume ? "volume_photons"
+                                           : "photons";
 }
 
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
@@ -89,17 +82,8 @@ private:
     bool stores_on_surfaces() const {
         const PathClass& path = at_.path_class;
         const bool scattered = path.diffuse_vertices > 0 || path.in_medium;
-        switch (kind_) {
-            case PhotonMapKind::global:
-                return scattered;
-            case PhotonMapKind::full:
-                return true;
-            case PhotonMapKind::caustic:
-                return !scattered && path.specular_since_diffuse;
-            case PhotonMapKind::volume:
-                return false;
-        }
-        return false;
+        return kind_ == PhotonMapKind::full || (kind_ == PhotonMapKind::global && scattered) ||
+               (kind_ == PhotonMapKind::caustic && !scattered && path.specular_since_diffuse);
     }
 
     /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
