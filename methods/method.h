@@ -74,10 +74,10 @@ private:
     std::atomic<std::uint64_t> done_ = 0;
 };
 
-/// The passes that a method runs or skips for a scene, and the effects of the scene that it does not simulate.
+/// The steps of a method that run or are skipped for a scene, and the effects of the scene that it does not simulate.
 struct Plan {
     struct Step {
-        std::string pass;
+        std::string name;
         bool runs;
         std::string reason;  ///< why it is skipped; empty if it runs
     };
@@ -87,13 +87,13 @@ struct Plan {
     std::vector<Component> unresolved = {};
     std::vector<Step> steps = {};
 
-    bool runs(std::string_view pass) const;
+    bool runs(std::string_view name) const;
     /// Appends a step, which runs unless there is a reason to skip it.
-    void add(std::string_view pass, std::string reason) {
-        steps.push_back({std::string(pass), reason.empty(), std::move(reason)});
+    void add(std::string_view name, std::string reason) {
+        steps.push_back({std::string(name), reason.empty(), std::move(reason)});
     }
     /// Appends a step; `reason` says why it is skipped and is dropped if the step runs.
-    void add(std::string_view pass, bool is_run, std::string reason) { add(pass, is_run ? "" : std::move(reason)); }
+    void add(std::string_view name, bool is_run, std::string reason) { add(name, is_run ? "" : std::move(reason)); }
 };
 
 /// Counts that tables print beside the time.
@@ -172,9 +172,9 @@ int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
 Plan described_plan(const Scene& scene, const MethodDescription& method);
 /// A sentence that names the components of which the method leaves out paths; empty if there are none.
 std::string incomplete_components(const Plan& plan, const MethodLabel& label);
-/// The names, in plans and stages, of the passes that several methods share.
-inline constexpr std::string_view pass_eye_paths = "eye paths";
-inline constexpr std::string_view pass_light_sampling = "light sampling";
+/// The names, in plans and stages, of the steps that several methods share.
+inline constexpr std::string_view step_eye_paths = "eye paths";
+inline constexpr std::string_view step_light_sampling = "light sampling";
 /// Adds the step of the eye paths, skipped where nothing emits light or no path is allowed.
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges);
 /// Adds the step of light sampling, skipped where no light can reach a diffuse or glossy surface or a medium, or

@@ -21,7 +21,7 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
     const auto method = work.method.create({work.scene.max_edges});
     CollectedLight light;
     for (const Plan::Step& step : method->plan(*work.scene.scene).steps)
-        if (!step.runs) light.skipped.push_back(fmt::format("{} ({})", step.pass, step.reason));
+        if (!step.runs) light.skipped.push_back(fmt::format("{} ({})", step.name, step.reason));
     StageTimes stages;
     if (work.listener) stages.listen(work.listener);
     const auto run = method->start(*work.scene.scene, work.seed, stages);

@@ -36,9 +36,9 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
-        return start_joined_paths(scene, settings_, passes,
-                                  shown_components(scene, passes.called_for, find_method("bidirectional")), seed,
+        const Plan planned = plan(scene);
+        return start_joined_paths(scene, settings_, planned,
+                                  shown_components(scene, planned.called_for, find_method("bidirectional")), seed,
                                   stages);
     }
 

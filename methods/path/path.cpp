@@ -39,11 +39,11 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
-        const PathSettings settings{max_edges_, passes.runs(pass_light_sampling)};
+        const Plan planned = plan(scene);
+        const PathSettings settings{max_edges_, planned.runs(step_light_sampling)};
         return average_eye_samples(
-            {.scene = scene, .points = points_, .seed = seed, .stages = stages, .runs = passes.runs(pass_eye_paths)},
-            shown_components(scene, passes.called_for, description_),
+            {.scene = scene, .points = points_, .seed = seed, .stages = stages, .runs = planned.runs(step_eye_paths)},
+            shown_components(scene, planned.called_for, description_),
             [settings](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
                 return trace_path(rays, eye, sampler, settings);
             });

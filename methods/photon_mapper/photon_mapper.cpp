@@ -41,9 +41,9 @@ namespace gib {
 
 namespace {
 
-constexpr std::string_view pass_gather = "final gathering";
-constexpr std::string_view pass_irradiance = "precomputed irradiance";
-constexpr std::string_view pass_cache = "irradiance cache";
+constexpr std::string_view step_gather = "final gathering";
+constexpr std::string_view step_irradiance = "precomputed irradiance";
+constexpr std::string_view step_cache = "irradiance cache";
 
 /// Adds the steps of final gathering, precomputed irradiance and the irradiance cache.
 void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
@@ -54,15 +54,15 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
     else if (scene.has_dispersion()) reason = "light is split by wavelength: indirect light comes from the global map";
     else if (settings.source != GatherSource::paths && settings.photons == 0) reason = "no photons are asked for";
     else if (settings.max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
-    plan.add(pass_gather, reason);
-    const bool gathers = plan.runs(pass_gather);
+    plan.add(step_gather, reason);
+    const bool gathers = plan.runs(step_gather);
     const std::string no_rays = "nothing is gathered";
-    plan.add(pass_irradiance,
+    plan.add(step_irradiance,
              !gathers ? no_rays
              : settings.source != GatherSource::irradiance
                  ? fmt::format("source={}", gather_source_names[static_cast<std::size_t>(settings.source)])
                  : "");
-    plan.add(pass_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
+    plan.add(step_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
 }
 
 Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
@@ -73,7 +73,7 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     add_specular_paths(plan);
     add_caustic_map(plan, settings);
     add_gathering(plan, scene, settings);
-    const bool follows_paths = plan.runs(pass_gather) && settings.source == GatherSource::paths;
+    const bool follows_paths = plan.runs(step_gather) && settings.source == GatherSource::paths;
     add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
     add_volume_map(plan, scene, settings);
     add_aims(plan, scene, settings);
@@ -90,14 +90,14 @@ public:
           seed_(seed),
           stages_(stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
-          traces_(plan.runs(pass_eye_paths)),
-          walk_{settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)},
+          traces_(plan.runs(step_eye_paths)),
+          walk_{settings.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
           tracing_(scene, settings.max_edges, stages) {
         const Aims aims = build_aims(plan, scene, settings, stages);
-        if (plan.runs(pass_caustic))
+        if (plan.runs(step_caustic))
             maps_.caustic =
                 tracing_.traced_map(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get(), seed);
-        if (settings.area == DiscArea::surface && (plan.runs(pass_caustic) || plan.runs(pass_global)))
+        if (settings.area == DiscArea::surface && (plan.runs(step_caustic) || plan.runs(step_global)))
             flat_regions_.emplace(scene,
                                   FlatRegions::resolution_for(std::max(settings.photons, settings.caustic_photons)));
         const auto estimator = [&](std::size_t k, double radius) {
@@ -114,14 +114,14 @@ public:
                                   .k = settings.volume_k,
                                   .max_radius = length(settings.volume_radius),
                                   .area = settings.area};
-        if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
-        else if (plan.runs(pass_global))
+        if (plan.runs(step_gather)) prepare_gathering(plan, aims.global.get());
+        else if (plan.runs(step_global))
             maps_.global = tracing_.traced_map(PhotonMapKind::global, settings.photons, aims.global.get(), seed);
         // A ray that reaches no surface reaches no bounded medium either, so the bins of the global map serve the
         // volume map too.
-        if (plan.runs(pass_volume))
+        if (plan.runs(step_volume))
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings.volume_photons, aims.global.get(), seed);
-        if (plan.runs(pass_shadow_map)) fill_shadow_map();
+        if (plan.runs(step_shadow_map)) fill_shadow_map();
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -170,7 +170,7 @@ private:
         }
         rays_ += shadow.rays;
         photons_ += shadow.emitted;
-        const auto timer = stages_.time(pass_shadow_map);
+        const auto timer = stages_.time(step_shadow_map);
         maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
@@ -182,17 +182,17 @@ private:
                   .samples_lights = walk_.samples_lights,
                   .follows_specular = walk_.follows_specular,
                   .estimator = maps_.global_estimator};
-        if (plan.runs(pass_global)) {
+        if (plan.runs(step_global)) {
             PhotonWalkResult walk = tracing_.trace(PhotonMapKind::full, settings_.photons, aim, seed_);
             light_.lengths = PhotonLengths(walk.photons);
             std::vector<Photon> places;
-            if (plan.runs(pass_irradiance))
+            if (plan.runs(step_irradiance))
                 places = take_places(walk.photons, photons_per_place(settings_.k, walk.photons.size()));
             light_.map = tracing_.map_of(walk);
             walk.photons = {};
-            if (plan.runs(pass_irradiance)) {
-                const auto timer = stages_.time(pass_irradiance);
-                StageProgress progress(stages_, pass_irradiance, places.size());
+            if (plan.runs(step_irradiance)) {
+                const auto timer = stages_.time(step_irradiance);
+                StageProgress progress(stages_, step_irradiance, places.size());
                 light_.irradiance =
                     PrecomputedIrradiance(scene_, places, light_.map, light_.estimator, light_.longest_photon_path(),
                                           combine_keys(seed_, places_key), rays_, &progress);
@@ -200,11 +200,11 @@ private:
         }
         final_gather_.emplace(light_, settings_.gather);
         maps_.final_gather = &*final_gather_;
-        if (!plan.runs(pass_cache) || !traces_) return;
+        if (!plan.runs(step_cache) || !traces_) return;
         cache_.emplace(scene_, *final_gather_, settings_.records);
         maps_.cache = &*cache_;
-        const auto timer = stages_.time(pass_cache);
-        StageProgress progress(stages_, pass_cache,
+        const auto timer = stages_.time(step_cache);
+        StageProgress progress(stages_, step_cache,
                                static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
         rays_ += cache_->overture(walk_, seed_, &progress);
     }

@@ -46,14 +46,14 @@ public:
           seed_(seed),
           stages_(stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black, blurred(shown)),
-          walk_{settings.maps.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)},
+          walk_{settings.maps.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
           shrinking_(settings.alpha),
           aims_(build_aims(plan, scene, settings.maps, stages)),
           tracing_(scene, settings.maps.max_edges, stages) {}
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
-        if (!plan_.runs(pass_eye_paths)) return Progress::converged;
+        if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
             find_first_radii();
             if (settings_.maps.area == DiscArea::surface)
@@ -79,7 +79,7 @@ public:
     }
 
     StoredLight stored_light() const override {
-        StoredLight stored{.changes_with_passes = plan_.runs(pass_eye_paths), .is_of_one_pass = true};
+        StoredLight stored{.changes_with_passes = plan_.runs(step_eye_paths), .is_of_one_pass = true};
         stored.add("global", maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
@@ -97,11 +97,11 @@ private:
     void trace_maps(std::uint64_t seed) {
         const PhotonMapSettings& s = settings_.maps;
         maps_.caustic = maps_.global = maps_.volume = PhotonMap();  // gives their memory back
-        if (plan_.runs(pass_caustic))
+        if (plan_.runs(step_caustic))
             maps_.caustic = tracing_.traced_map(PhotonMapKind::caustic, s.caustic_photons, aims_.caustic.get(), seed);
-        if (plan_.runs(pass_global))
+        if (plan_.runs(step_global))
             maps_.global = tracing_.traced_map(PhotonMapKind::global, s.photons, aims_.global.get(), seed);
-        if (plan_.runs(pass_volume))
+        if (plan_.runs(step_volume))
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
     }
 
@@ -132,9 +132,9 @@ private:
                                     kind == PhotonMapKind::volume ? seen.in_media : seen.on_surfaces);
         };
         first_ = {
-            radius(pass_caustic, PhotonMapKind::caustic, s.caustic_radius, s.caustic_photons, aims_.caustic.get()),
-            radius(pass_global, PhotonMapKind::global, s.radius, s.photons, aims_.global.get()),
-            radius(pass_volume, PhotonMapKind::volume, s.volume_radius, s.volume_photons, aims_.global.get())};
+            radius(step_caustic, PhotonMapKind::caustic, s.caustic_radius, s.caustic_photons, aims_.caustic.get()),
+            radius(step_global, PhotonMapKind::global, s.radius, s.photons, aims_.global.get()),
+            radius(step_volume, PhotonMapKind::volume, s.volume_radius, s.volume_photons, aims_.global.get())};
     }
 
     /// Sets the estimators of the present pass.
@@ -194,10 +194,10 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
+        const Plan planned = plan(scene);
         return std::make_unique<ProgressivePhotonMapperRun>(
-            scene, settings_for(scene), passes,
-            shown_components(scene, passes.called_for, find_method("progressive_photon_mapper")), seed, stages);
+            scene, settings_for(scene), planned,
+            shown_components(scene, planned.called_for, find_method("progressive_photon_mapper")), seed, stages);
     }
 
 private:

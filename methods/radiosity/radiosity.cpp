@@ -54,9 +54,9 @@ public:
     RadiosityRun(const Scene& scene, const RadiositySettings& settings, const Plan& plan, std::uint64_t seed,
                  StageTimes& stages)
         : model_(plan.runs(pass_solution) ? std::make_unique<RadiosityModel>(scene, settings, seed, stages) : nullptr),
-          traces_(plan.runs(pass_eye_paths)),
+          traces_(plan.runs(step_eye_paths)),
           view_(scene, plan.called_for, model_.get(),
-                {settings.max_edges, plan.runs(pass_light_sampling), settings.gather}, seed, stages) {}
+                {settings.max_edges, plan.runs(step_light_sampling), settings.gather}, seed, stages) {}
 
     Progress advance(std::uint32_t pass) override {
         const bool changed = model_ && model_->advance();

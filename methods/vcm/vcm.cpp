@@ -56,16 +56,16 @@ public:
         if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
             plan.unresolved = find_method("vcm").components;
         add_joined_paths(plan, scene, settings_);
-        plan.add(std::string(pass_merging), why_not_merged(scene, plan));
+        plan.add(std::string(step_merging), why_not_merged(scene, plan));
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
+        const Plan planned = plan(scene);
         JoinedPathsSettings settings = settings_;
-        if (!passes.runs(pass_merging)) settings.merging.reset();
-        return start_joined_paths(scene, settings, passes,
-                                  shown_components(scene, passes.called_for, find_method("vcm")), seed, stages);
+        if (!planned.runs(step_merging)) settings.merging.reset();
+        return start_joined_paths(scene, settings, planned,
+                                  shown_components(scene, planned.called_for, find_method("vcm")), seed, stages);
     }
 
 private:

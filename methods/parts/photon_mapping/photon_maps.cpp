@@ -8,8 +8,8 @@ namespace gib {
 
 namespace {
 
-constexpr std::string_view pass_caustic_aim = "projection map of the caustic map";
-constexpr std::string_view pass_global_aim = "projection map of the global map";
+constexpr std::string_view step_caustic_aim = "projection map of the caustic map";
+constexpr std::string_view step_global_aim = "projection map of the global map";
 /// Photons for each bin of a projection map: with fewer photons a coarser map pays, as it is built faster.
 constexpr std::uint64_t photons_per_bin = 16;
 constexpr std::uint64_t fewest_bins = 1 << 8, most_bins = 1 << 16;
@@ -55,19 +55,19 @@ Parameter projection_parameter() {
 }
 
 void add_specular_paths(Plan& plan) {
-    plan.add(pass_specular, plan.called_for.has(Effect::specular_reflection) || plan.called_for.has(Effect::refraction),
+    plan.add(step_specular, plan.called_for.has(Effect::specular_reflection) || plan.called_for.has(Effect::refraction),
              "no surface is specular");
 }
 
 void add_caustic_map(Plan& plan, const PhotonMapSettings& settings) {
     const bool called_for = plan.called_for.has(Effect::caustics);
-    add_map(plan, pass_caustic, called_for ? "" : "no light reaches a diffuse surface by way of a specular one",
+    add_map(plan, step_caustic, called_for ? "" : "no light reaches a diffuse surface by way of a specular one",
             settings.caustic_photons, settings.max_edges);
 }
 
 void add_global_map(Plan& plan, const PhotonMapSettings& settings, const std::string& why_not) {
     const bool called_for = plan.called_for.has(Effect::diffuse_interreflection);
-    add_map(plan, pass_global, why_not.empty() && !called_for ? "no light passes between diffuse surfaces" : why_not,
+    add_map(plan, step_global, why_not.empty() && !called_for ? "no light passes between diffuse surfaces" : why_not,
             settings.photons, settings.max_edges);
 }
 
@@ -75,18 +75,18 @@ void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& set
     const char* why_not = !scene.has_light()              ? "nothing emits light"
                           : !scene.has_scattering_media() ? "no medium scatters light"
                                                           : "";
-    add_map(plan, pass_volume, why_not, settings.volume_photons, settings.max_edges);
+    add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges);
 }
 
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
-    add_aim(plan, pass_caustic_aim, pass_caustic, true, settings.projection);
-    add_aim(plan, pass_global_aim, pass_global, !scene.has_unbounded_medium(), settings.projection);
+    add_aim(plan, step_caustic_aim, step_caustic, true, settings.projection);
+    add_aim(plan, step_global_aim, step_global, !scene.has_unbounded_medium(), settings.projection);
 }
 
 Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& settings, StageTimes& stages) {
     const auto timer = stages.time("projection map");
-    return {build_aim(plan, pass_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
-            build_aim(plan, pass_global_aim, scene, TargetSurfaces::all, settings.photons)};
+    return {build_aim(plan, step_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
+            build_aim(plan, step_global_aim, scene, TargetSurfaces::all, settings.photons)};
 }
 
 PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,

@@ -31,10 +31,10 @@ struct PhotonMapSettings {
 Parameter disc_area_parameter();
 Parameter projection_parameter();
 
-inline constexpr std::string_view pass_specular = "specular paths";
-inline constexpr std::string_view pass_caustic = "caustic map";
-inline constexpr std::string_view pass_global = "global map";
-inline constexpr std::string_view pass_volume = "volume map";
+inline constexpr std::string_view step_specular = "specular paths";
+inline constexpr std::string_view step_caustic = "caustic map";
+inline constexpr std::string_view step_global = "global map";
+inline constexpr std::string_view step_volume = "volume map";
 
 /// Each adds a step, which is skipped where its light is not called for, where its number of photons is 0, or where
 /// paths of three edges (light to surface, to another surface, to the eye) are not allowed. `why_not` says why the method

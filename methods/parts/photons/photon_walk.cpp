@@ -164,18 +164,18 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
     std::array<Ray, Accelerator::packet_size> packet;
     std::array<std::optional<Intersection>, Accelerator::packet_size> found;
     const auto sampler_of = [&](std::size_t at) { return Sampler(PointSet::independent, key, order[at].second, 0); };
-    for (std::size_t group = 0; group < order.size(); group += packet.size()) {
-        const std::size_t count = std::min(packet.size(), order.size() - group);
+    for (std::size_t packet_begin = 0; packet_begin < order.size(); packet_begin += packet.size()) {
+        const std::size_t count = std::min(packet.size(), order.size() - packet_begin);
         for (std::size_t j = 0; j < count; ++j) {
-            const Sampler sampler = sampler_of(group + j);
-            starts[j] =
-                aim.sample_emission(rays.scene(), order[group + j].first, sampler.get_2d(dimension::emission_position),
-                                    sampler.get_2d(dimension::emission_direction));
+            const Sampler sampler = sampler_of(packet_begin + j);
+            starts[j] = aim.sample_emission(rays.scene(), order[packet_begin + j].first,
+                                            sampler.get_2d(dimension::emission_position),
+                                            sampler.get_2d(dimension::emission_direction));
             packet[j] = starts[j].ray;
         }
         rays.trace(std::span(packet).first(count), found);
         for (std::size_t j = 0; j < count; ++j)
-            visit(starts[j], TracedRay{packet[j], found[j]}, sampler_of(group + j));
+            visit(starts[j], TracedRay{packet[j], found[j]}, sampler_of(packet_begin + j));
     }
 }
 

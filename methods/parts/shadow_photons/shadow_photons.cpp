@@ -67,9 +67,9 @@ std::vector<Parameter> shadow_photon_parameters() {
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings) {
     std::string reason;
     if (settings.photons == 0) reason = "no photons are asked for";
-    else if (!plan.runs(pass_light_sampling)) reason = "lights are not sampled";
+    else if (!plan.runs(step_light_sampling)) reason = "lights are not sampled";
     else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
-    plan.add(pass_shadow_map, reason);
+    plan.add(step_shadow_map, reason);
 }
 
 SurfaceSide::SurfaceSide(const SurfaceHit& hit, const Vec3& wo) : shape(hit.shape), instance(hit.instance) {

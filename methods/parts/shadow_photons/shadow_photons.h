@@ -41,7 +41,7 @@ struct ShadowPhotonSettings {
 /// The parameters shadow_photons, shadows and shadow_k.
 std::vector<Parameter> shadow_photon_parameters();
 
-inline constexpr std::string_view pass_shadow_map = "shadow photon map";
+inline constexpr std::string_view step_shadow_map = "shadow photon map";
 /// Adds the step of the shadow photon map. It is skipped where shadow photons are not asked for, where lights are not
 /// sampled, and where media dim light, as only a ray can tell by how much.
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings);

@@ -102,7 +102,7 @@ public:
           seed_(seed),
           stages_(stages),
           points_(settings.points),
-          runs_(plan.runs(pass_eye_paths)),
+          runs_(plan.runs(step_eye_paths)),
           paths_(scene, plan, stages),
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
@@ -125,10 +125,10 @@ public:
         if (!runs_) return Progress::converged;
         pass_.pass = pass;
         if (merged_) {
-            const auto timer = stages_.time(pass_merging);
+            const auto timer = stages_.time(step_merging);
             merged_->start_pass(pass, pass_.rules, rays_);
         }
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, pass_eye_paths,
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths,
                                [this] { return JoinedPathsEstimate(pass_); });
         return Progress::more;
     }
@@ -176,7 +176,7 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
     add_light_paths(plan, scene, settings.max_edges);
     add_eye_paths(plan, scene, settings.max_edges);
     add_light_sampling(plan, settings.max_edges);
-    plan.add(std::string(pass_connections), used.connections && settings.max_edges >= 3,
+    plan.add(std::string(step_connections), used.connections && settings.max_edges >= 3,
              used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
                               : "connections are turned off");
 }
@@ -184,7 +184,7 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
                                         const ShownComponents& shown, std::uint64_t seed, StageTimes& stages) {
     JoinedPathsSettings needed = settings;
-    needed.used.light_sampling &= plan.runs(pass_light_sampling);
+    needed.used.light_sampling &= plan.runs(step_light_sampling);
     return std::make_unique<JoinedPathsRun>(scene, needed, plan, shown, seed, stages);
 }
 

@@ -10,7 +10,7 @@ namespace gib {
 /// Vertices that are merged with one in the mean, if the radius of the first pass is found from its paths.
 inline constexpr double most_merged = 2.5;
 
-inline constexpr std::string_view pass_merging = "merging";
+inline constexpr std::string_view step_merging = "merging";
 
 struct MergingSettings {
     double alpha;  ///< parts/density/shrinking_radius.h

@@ -333,7 +333,7 @@ TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
     const auto reason_of = [](const char* file, const std::string& text) {
         const Plan plan = ConfiguredMethod(MethodLabel::parse(text)).create({})->plan(*shipped_scene(file).scene);
         for (const auto& step : plan.steps)
-            if (step.pass == pass_shadow_map) return step.runs ? std::string("runs") : step.reason;
+            if (step.name == step_shadow_map) return step.runs ? std::string("runs") : step.reason;
         return std::string();
     };
     EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper shadow_photons=1e4"), "runs");
