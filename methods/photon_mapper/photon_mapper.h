@@ -22,7 +22,7 @@ struct PhotonMapperSettings : PhotonMapSettings {
 /// an estimate falls with r^2 ~ k / N and its variance with 1 / k; with this power both vanish as N grows.
 std::size_t automatic_k(std::uint64_t photons);
 
-/// Traces the photons, builds the maps and returns the run. Only the passes that `effects` call for run, whatever
+/// Traces the photons, builds the maps and returns the run. Only the steps that `effects` call for run, whatever
 /// `settings` would allow.
 std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperSettings& settings,
                                          const Effects& effects, std::uint64_t seed, StageTimes& stages);

@@ -19,7 +19,7 @@ struct JoinedPathsSettings {
 /// Adds the steps of light paths, eye paths, light sampling and connections.
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings);
 
-/// Starts the run. Only the passes that `plan` runs are made.
+/// Starts the run. Only the steps that `plan` runs are made.
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
                                         const ShownComponents& shown, std::uint64_t seed, StageTimes& stages);
 
