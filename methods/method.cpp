@@ -32,9 +32,8 @@ void StageTimes::report(std::string_view stage, double fraction) const {
     listener_(stage, fraction);
 }
 
-bool Plan::runs(std::string_view pass) const {
-    const auto step = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.pass == pass; });
-    return step != steps.end() && step->runs;
+bool Plan::runs(std::string_view name) const {
+    return std::any_of(steps.begin(), steps.end(), [&](const Step& step) { return step.name == name && step.runs; });
 }
 
 const std::vector<Parameter>& shared_parameters() {
@@ -71,7 +70,7 @@ Plan described_plan(const Scene& scene, const MethodDescription& method) {
 }
 
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges) {
-    plan.add(pass_eye_paths, scene.has_light() && max_edges >= 1,
+    plan.add(step_eye_paths, scene.has_light() && max_edges >= 1,
              scene.has_light() ? "a path of no edges carries no light" : "nothing emits light");
 }
 
@@ -85,7 +84,7 @@ std::string incomplete_components(const Plan& plan, const MethodLabel& label) {
 void add_light_sampling(Plan& plan, int max_edges) {
     const bool lit = plan.called_for.has(Effect::direct_light) || plan.called_for.has(Effect::glossy_lobes) ||
                      plan.called_for.has(Effect::participating_media);
-    plan.add(pass_light_sampling, lit && max_edges >= 2,
+    plan.add(step_light_sampling, lit && max_edges >= 2,
              lit ? "a path of direct light has two edges, more than max_depth allows"
                  : "no light can reach a diffuse or glossy surface");
 }
@@ -100,11 +99,22 @@ ShownComponents shown_components(const Scene& scene, const Effects& effects, con
     return components;
 }
 
-std::vector<std::string> names_of_comparable_methods() {
+namespace {
+
+std::vector<std::string> names_of_methods_with(bool MethodDescription::*property) {
     std::vector<std::string> names;
     for (const auto& method : method_registry())
-        if (method.estimates_radiance) names.push_back(method.name);
+        if (method.*property) names.push_back(method.name);
     return names;
+}
+
+}  // namespace
+
+std::vector<std::string> names_of_comparable_methods() {
+    return names_of_methods_with(&MethodDescription::estimates_radiance);
+}
+std::vector<std::string> names_of_methods_that_store_light() {
+    return names_of_methods_with(&MethodDescription::stores_light);
 }
 
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where) {

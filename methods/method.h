@@ -74,10 +74,10 @@ private:
     std::atomic<std::uint64_t> done_ = 0;
 };
 
-/// The passes that a method runs or skips for a scene, and the effects of the scene that it does not simulate.
+/// The steps of a method that run or are skipped for a scene, and the effects of the scene that it does not simulate.
 struct Plan {
     struct Step {
-        std::string pass;
+        std::string name;
         bool runs;
         std::string reason;  ///< why it is skipped; empty if it runs
     };
@@ -87,13 +87,13 @@ struct Plan {
     std::vector<Component> unresolved = {};
     std::vector<Step> steps = {};
 
-    bool runs(std::string_view pass) const;
+    bool runs(std::string_view name) const;
     /// Appends a step, which runs unless there is a reason to skip it.
-    void add(std::string_view pass, std::string reason) {
-        steps.push_back({std::string(pass), reason.empty(), std::move(reason)});
+    void add(std::string_view name, std::string reason) {
+        steps.push_back({std::string(name), reason.empty(), std::move(reason)});
     }
     /// Appends a step; `reason` says why it is skipped and is dropped if the step runs.
-    void add(std::string_view pass, bool is_run, std::string reason) { add(pass, is_run ? "" : std::move(reason)); }
+    void add(std::string_view name, bool is_run, std::string reason) { add(name, is_run ? "" : std::move(reason)); }
 };
 
 /// Counts that tables print beside the time.
@@ -104,6 +104,8 @@ struct RunCounts {
 };
 
 enum class Progress { more, converged };
+
+struct StoredLight;
 
 /// The computation of one method for one scene and one seed; it is never reused.
 class Run {
@@ -119,6 +121,8 @@ public:
     /// Further facts about the result so far, as pairs of a name (one word) and a value,
     /// such as `residual` and `5.1e-05`.
     virtual std::vector<std::pair<std::string, std::string>> facts() const { return {}; }
+    /// The light that is kept in the scene and not in the image (parts/stored_light/stored_light.h); by default none.
+    virtual StoredLight stored_light() const;
 };
 
 class Method {
@@ -154,6 +158,7 @@ struct MethodDescription {
     /// False if its images show something else than radiance; such a method is left
     /// out wherever methods are compared.
     bool estimates_radiance = true;
+    bool stores_light = false;  ///< its runs have a stored_light() of their own
 };
 
 /// The parameters that every method takes: spp and max_depth.
@@ -167,9 +172,9 @@ int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
 Plan described_plan(const Scene& scene, const MethodDescription& method);
 /// A sentence that names the components of which the method leaves out paths; empty if there are none.
 std::string incomplete_components(const Plan& plan, const MethodLabel& label);
-/// The names, in plans and stages, of the passes that several methods share.
-inline constexpr std::string_view pass_eye_paths = "eye paths";
-inline constexpr std::string_view pass_light_sampling = "light sampling";
+/// The names, in plans and stages, of the steps that several methods share.
+inline constexpr std::string_view step_eye_paths = "eye paths";
+inline constexpr std::string_view step_light_sampling = "light sampling";
 /// Adds the step of the eye paths, skipped where nothing emits light or no path is allowed.
 void add_eye_paths(Plan& plan, const Scene& scene, int max_edges);
 /// Adds the step of light sampling, skipped where no light can reach a diffuse or glossy surface or a medium, or
@@ -187,6 +192,8 @@ ShownComponents shown_components(const Scene& scene, const Effects& effects, con
 const std::vector<MethodDescription>& method_registry();
 /// The names of the methods that estimate radiance.
 std::vector<std::string> names_of_comparable_methods();
+/// The names of the methods whose runs store light.
+std::vector<std::string> names_of_methods_that_store_light();
 /// The method of this name. Throws InputError, with a list of the methods, if there is none.
 const MethodDescription& find_method(std::string_view name, const SourceLocation& where = {});
 /// The method of this name for a measurement. Throws InputError if there is none or if it estimates no radiance.

@@ -6,12 +6,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace gib {
 
 void require_stored_light(const MethodLabel& method) {
-    const auto& names = methods_that_store_light;
+    const auto names = names_of_methods_that_store_light();
     if (std::find(names.begin(), names.end(), method.name) == names.end())
         reject({}, "'{}' stores no photons, irradiance records or patches that could be shown; methods that do: {}",
                method.name, fmt::join(names, ", "));
@@ -22,23 +21,21 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
     const auto method = work.method.create({work.scene.max_edges});
     CollectedLight light;
     for (const Plan::Step& step : method->plan(*work.scene.scene).steps)
-        if (!step.runs) light.skipped.push_back(fmt::format("{} ({})", step.pass, step.reason));
+        if (!step.runs) light.skipped.push_back(fmt::format("{} ({})", step.name, step.reason));
     StageTimes stages;
     if (work.listener) stages.listen(work.listener);
     const auto run = method->start(*work.scene.scene, work.seed, stages);
-    const auto* holder = dynamic_cast<const HoldsStoredLight*>(run.get());
-    if (!holder) throw std::logic_error("a method in methods_that_store_light stores none");
-    light.photons_of_passes = holder->has_photons_of_one_pass();
     PhotonSubset photons(work.most_photons);
     const auto add = [&](const StoredLight& stored, std::uint32_t pass) {
         for (const StoredPhotons& map : stored.photons)
             photons.add(map, pass);
     };
-    StoredLight stored = holder->stored_light();
+    StoredLight stored = run->stored_light();
+    light.photons_of_passes = stored.is_of_one_pass;
     if (!light.photons_of_passes) add(stored, 0);
-    while (light.passes < work.most_passes && holder->changes_with_passes()) {
+    while (light.passes < work.most_passes && stored.changes_with_passes) {
         const Progress progress = run->advance(light.passes);
-        stored = holder->stored_light();
+        stored = run->stored_light();
         if (light.photons_of_passes) add(stored, light.passes);
         ++light.passes;
         if (progress == Progress::converged) break;

@@ -37,8 +37,8 @@ void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
 
 void print_plan_lines(const Plan& plan, std::ostream& out) {
     for (const auto& step : plan.steps) {
-        if (step.runs) out << "runs: " << step.pass << "\n";
-        else out << fmt::format("skipped: {} ({})\n", step.pass, step.reason);
+        if (step.runs) out << "runs: " << step.name << "\n";
+        else out << fmt::format("skipped: {} ({})\n", step.name, step.reason);
     }
     for (Effect e : plan.missing.list())
         out << "missing: " << name_of(e) << "\n";

@@ -1,6 +1,6 @@
 #include "experiments/report/photon_links.h"
 
-#include "methods/parts/stored_light/stored_light.h"
+#include "methods/method.h"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@ namespace gib {
 
 std::vector<PhotonLink> photon_links(const ResultIndex& index, const ResultFolder& folder) {
     namespace fs = std::filesystem;
+    const auto names = names_of_methods_that_store_light();
     std::vector<PhotonLink> links;
     for (const IndexScene& scene : index.scenes)
         for (const std::string& method : index.methods) {
-            const auto& names = methods_that_store_light;
             const std::string name = MethodLabel::parse(method).name;
             if (std::find(names.begin(), names.end(), name) == names.end()) continue;
             fs::path page = folder.method_image(scene.name, method);

@@ -17,7 +17,7 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan{.called_for = effects_of(scene), .unresolved = {all_components.begin(), all_components.end()}};
-        plan.add(pass_eye_paths, "");
+        plan.add(step_eye_paths, "");
         return plan;
     }
 

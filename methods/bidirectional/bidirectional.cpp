@@ -13,9 +13,9 @@
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
 // A pass: one path from the camera for every pixel, and as many light paths.
 // Fails: never; non-finite samples are counted and dropped.
-#include "methods/bidirectional/joined_paths.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 namespace gib {
 
@@ -36,9 +36,9 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
-        return start_joined_paths(scene, settings_, passes,
-                                  shown_components(scene, passes.called_for, find_method("bidirectional")), seed,
+        const Plan planned = plan(scene);
+        return start_joined_paths(scene, settings_, planned,
+                                  shown_components(scene, planned.called_for, find_method("bidirectional")), seed,
                                   stages);
     }
 

@@ -32,9 +32,9 @@ public:
         : scene_(scene),
           points_(points),
           seed_(seed),
-          max_edges_(max_edges),
+          rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
-          follows_(plan.runs(pass_light_paths)),
+          follows_(plan.runs(step_light_paths)),
           paths_(scene, plan, stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
@@ -43,10 +43,10 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!lit_) return Progress::converged;
-        const auto timer = stages_.time(pass_light_paths);
+        const auto timer = stages_.time(step_light_paths);
         const auto count = static_cast<std::size_t>(paths_.count);
         std::atomic<std::uint64_t> traced = 0;
-        StageProgress progress(stages_, pass_light_paths, count);
+        StageProgress progress(stages_, step_light_paths, count);
         parallel_blocks(count, 1024, [&](std::size_t begin, std::size_t end, std::size_t) {
             RayQueries rays(scene_);
             for (std::size_t path = begin; path < end; ++path)
@@ -75,7 +75,7 @@ private:
         add(sample_light_from_camera(rays, paths_, splats_, camera_numbers.at_vertex(0), flights));
         const auto start = follows_ ? paths_.emission.sample(sampler) : std::nullopt;
         if (!start) return;
-        LightWalk(rays, sampler, max_edges_, paths_, to_the_camera, *start,
+        LightWalk(rays, sampler, paths_, rules_, *start,
                   [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
                       add(connect_to_camera(rays, vertex, paths_, splats_, {u.light_position(), u.light_choice()},
                                             flights_of_path));
@@ -88,7 +88,7 @@ private:
     const Scene& scene_;
     PointSet points_;
     std::uint64_t seed_;
-    int max_edges_;
+    PathRules rules_;
     bool lit_, follows_;
     LightPaths paths_;
     Film film_;
@@ -112,10 +112,10 @@ public:
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
-        return std::make_unique<LightTracerRun>(scene, points_, seed, max_edges_, passes,
-                                                shown_components(scene, passes.called_for, find_method("light_tracer")),
-                                                stages);
+        const Plan planned = plan(scene);
+        return std::make_unique<LightTracerRun>(
+            scene, points_, seed, max_edges_, planned,
+            shown_components(scene, planned.called_for, find_method("light_tracer")), stages);
     }
 
 private:

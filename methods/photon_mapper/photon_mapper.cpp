@@ -14,7 +14,7 @@
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
 // [fractions of the scene's diagonal], kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
-// (methods/photon_mapper/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
+// (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
 // Bias: the estimates blur light over the look-up radius. This bias falls with more photons at fixed k, and together
 // with the noise at k=auto. More samples a pixel lower neither the bias nor the noise of the maps. Gathered light is
@@ -29,12 +29,11 @@
 // Fails: never; a map without photons near a point gives 0 there.
 #include "methods/photon_mapper/photon_mapper.h"
 
-#include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/photon_mapping/eye_pass.h"
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/photon_mapper/eye_pass.h"
-#include "methods/photon_mapper/plan.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -42,26 +41,63 @@ namespace gib {
 
 namespace {
 
-const MethodDescription& description() { return find_method("photon_mapper"); }
+constexpr std::string_view step_gather = "final gathering";
+constexpr std::string_view step_irradiance = "precomputed irradiance";
+constexpr std::string_view step_cache = "irradiance cache";
 
-class PhotonMapperRun final : public Run, public HoldsStoredLight {
+/// Adds the steps of final gathering, precomputed irradiance and the irradiance cache.
+void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& settings) {
+    std::string reason;
+    if (!plan.called_for.has(Effect::diffuse_interreflection)) reason = "no light passes between diffuse surfaces";
+    else if (settings.gather == 0) reason = "gather=0: indirect light comes from the global map";
+    else if (scene.has_media()) reason = "a medium lies between surfaces: indirect light comes from the global map";
+    else if (scene.has_dispersion()) reason = "light is split by wavelength: indirect light comes from the global map";
+    else if (settings.source != GatherSource::paths && settings.photons == 0) reason = "no photons are asked for";
+    else if (settings.max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
+    plan.add(step_gather, reason);
+    const bool gathers = plan.runs(step_gather);
+    const std::string no_rays = "nothing is gathered";
+    plan.add(step_irradiance,
+             !gathers ? no_rays
+             : settings.source != GatherSource::irradiance
+                 ? fmt::format("source={}", gather_source_names[static_cast<std::size_t>(settings.source)])
+                 : "");
+    plan.add(step_cache, !gathers ? no_rays : !settings.cache ? "cache=off" : "");
+}
+
+Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
+    Plan plan = described_plan(scene, find_method("photon_mapper"));
+    plan.called_for = effects;
+    add_eye_paths(plan, scene, settings.max_edges);
+    add_light_sampling(plan, settings.max_edges);
+    add_specular_paths(plan);
+    add_caustic_map(plan, settings);
+    add_gathering(plan, scene, settings);
+    const bool follows_paths = plan.runs(step_gather) && settings.source == GatherSource::paths;
+    add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
+    add_volume_map(plan, scene, settings);
+    add_aims(plan, scene, settings);
+    add_shadow_map(plan, scene, settings.shadows);
+    return plan;
+}
+
+class PhotonMapperRun final : public Run {
 public:
-    PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Effects& effects,
-                    std::uint64_t seed, StageTimes& stages)
-        : scene_(scene), settings_(settings), seed_(seed), stages_(stages), film_([&] {
-              const auto [accumulated, black] = shown_components(scene, effects, description());
-              return Film(scene.sensor().width(), scene.sensor().height(), accumulated, black);
-          }()) {
-        const Plan plan = photon_mapper_plan(scene, effects, settings);
-        const Aims aims = [&] {
-            const auto timer = stages.time("projection map");
-            return build_aims(plan, scene, settings);
-        }();
-        traces_ = plan.runs(pass_eye_paths);
-        walk_ = {settings.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)};
-        if (plan.runs(pass_caustic))
-            maps_.caustic = build(trace(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get()));
-        if (settings.area == DiscArea::surface && (plan.runs(pass_caustic) || plan.runs(pass_global)))
+    PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Plan& plan,
+                    const ShownComponents& shown, std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          settings_(settings),
+          seed_(seed),
+          stages_(stages),
+          film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
+          traces_(plan.runs(step_eye_paths)),
+          walk_{settings.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
+          tracing_(scene, settings.max_edges, stages) {
+        const Aims aims = build_aims(plan, scene, settings, stages);
+        if (plan.runs(step_caustic))
+            maps_.caustic =
+                tracing_.traced_map(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get(), seed);
+        if (settings.area == DiscArea::surface && (plan.runs(step_caustic) || plan.runs(step_global)))
             flat_regions_.emplace(scene,
                                   FlatRegions::resolution_for(std::max(settings.photons, settings.caustic_photons)));
         const auto estimator = [&](std::size_t k, double radius) {
@@ -78,14 +114,14 @@ public:
                                   .k = settings.volume_k,
                                   .max_radius = length(settings.volume_radius),
                                   .area = settings.area};
-        if (plan.runs(pass_gather)) prepare_gathering(plan, aims.global.get());
-        else if (plan.runs(pass_global))
-            maps_.global = build(trace(PhotonMapKind::global, settings.photons, aims.global.get()));
+        if (plan.runs(step_gather)) prepare_gathering(plan, aims.global.get());
+        else if (plan.runs(step_global))
+            maps_.global = tracing_.traced_map(PhotonMapKind::global, settings.photons, aims.global.get(), seed);
         // A ray that reaches no surface reaches no bounded medium either, so the bins of the global map serve the
         // volume map too.
-        if (plan.runs(pass_volume))
-            maps_.volume = build(trace(PhotonMapKind::volume, settings.volume_photons, aims.global.get()));
-        if (plan.runs(pass_shadow_map)) fill_shadow_map();
+        if (plan.runs(step_volume))
+            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings.volume_photons, aims.global.get(), seed);
+        if (plan.runs(step_shadow_map)) fill_shadow_map();
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -102,8 +138,11 @@ public:
     }
 
     ComponentImages image() const override { return film_.mean(passes_); }
-    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+    RunCounts counts() const override {
+        return {photons_ + tracing_.photons(), rays_ + tracing_.rays(), film_.non_finite()};
+    }
 
+    /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;
         stored.add("global", maps_.final_gather ? light_.map : maps_.global);
@@ -115,27 +154,10 @@ public:
                     {record.p, record.n, settings_.records.accuracy * record.distance, record.irradiance});
         return stored;
     }
-    /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
-    bool changes_with_passes() const override { return false; }
 
 private:
     float length(double fraction) const {
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
-    }
-
-    /// The first pass (Jensen 2001, section 9.3): emits `count` photons for the map of this kind. `aim` may be null.
-    PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim) {
-        const auto timer = stages_.time("photon tracing");
-        StageProgress progress(stages_, "photon tracing", count);
-        PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.max_edges, seed_, aim, &progress);
-        rays_ += walk.rays;
-        photons_ += walk.emitted;
-        return walk;
-    }
-
-    PhotonMap build(PhotonWalkResult walk) {
-        const auto timer = stages_.time("tree build");
-        return PhotonMap(std::move(walk.photons), walk.unit);
     }
 
     void fill_shadow_map() {
@@ -148,7 +170,7 @@ private:
         }
         rays_ += shadow.rays;
         photons_ += shadow.emitted;
-        const auto timer = stages_.time(pass_shadow_map);
+        const auto timer = stages_.time(step_shadow_map);
         maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
     }
 
@@ -160,16 +182,17 @@ private:
                   .samples_lights = walk_.samples_lights,
                   .follows_specular = walk_.follows_specular,
                   .estimator = maps_.global_estimator};
-        if (plan.runs(pass_global)) {
-            PhotonWalkResult walk = trace(PhotonMapKind::full, settings_.photons, aim);
+        if (plan.runs(step_global)) {
+            PhotonWalkResult walk = tracing_.trace(PhotonMapKind::full, settings_.photons, aim, seed_);
             light_.lengths = PhotonLengths(walk.photons);
             std::vector<Photon> places;
-            if (plan.runs(pass_irradiance))
+            if (plan.runs(step_irradiance))
                 places = take_places(walk.photons, photons_per_place(settings_.k, walk.photons.size()));
-            light_.map = build(std::move(walk));
-            if (plan.runs(pass_irradiance)) {
-                const auto timer = stages_.time(pass_irradiance);
-                StageProgress progress(stages_, pass_irradiance, places.size());
+            light_.map = tracing_.map_of(walk);
+            walk.photons = {};
+            if (plan.runs(step_irradiance)) {
+                const auto timer = stages_.time(step_irradiance);
+                StageProgress progress(stages_, step_irradiance, places.size());
                 light_.irradiance =
                     PrecomputedIrradiance(scene_, places, light_.map, light_.estimator, light_.longest_photon_path(),
                                           combine_keys(seed_, places_key), rays_, &progress);
@@ -177,11 +200,11 @@ private:
         }
         final_gather_.emplace(light_, settings_.gather);
         maps_.final_gather = &*final_gather_;
-        if (!plan.runs(pass_cache) || !traces_) return;
+        if (!plan.runs(step_cache) || !traces_) return;
         cache_.emplace(scene_, *final_gather_, settings_.records);
         maps_.cache = &*cache_;
-        const auto timer = stages_.time(pass_cache);
-        StageProgress progress(stages_, pass_cache,
+        const auto timer = stages_.time(step_cache);
+        StageProgress progress(stages_, step_cache,
                                static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
         rays_ += cache_->overture(walk_, seed_, &progress);
     }
@@ -195,22 +218,22 @@ private:
     StageTimes& stages_;
     Film film_;
     bool traces_;
+    WalkSettings walk_;
+    PhotonTracing tracing_;
     std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
-    WalkSettings walk_;
     GatheredLight light_;
     std::optional<FinalGather> final_gather_;
     std::optional<CachedGather> cache_;
-    std::uint64_t photons_ = 0;
+    std::uint64_t photons_ = 0, rays_ = 0;  ///< beside those of the maps
     std::uint32_t passes_ = 0;
-    std::uint64_t rays_ = 0;
 };
 
 class PhotonMapper final : public Method {
 public:
     explicit PhotonMapper(const PhotonMapperSettings& settings) : settings_(settings) {}
 
-    Plan plan(const Scene& scene) const override { return photon_mapper_plan(scene, effects_of(scene), settings_); }
+    Plan plan(const Scene& scene) const override { return plan_for(scene, effects_of(scene), settings_); }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         return start_photon_mapper(scene, settings_, effects_of(scene), seed, stages);
@@ -276,7 +299,9 @@ std::size_t automatic_k(std::uint64_t photons) {
 
 std::unique_ptr<Run> start_photon_mapper(const Scene& scene, const PhotonMapperSettings& settings,
                                          const Effects& effects, std::uint64_t seed, StageTimes& stages) {
-    return std::make_unique<PhotonMapperRun>(scene, settings, effects, seed, stages);
+    return std::make_unique<PhotonMapperRun>(scene, settings, plan_for(scene, effects, settings),
+                                             shown_components(scene, effects, find_method("photon_mapper")), seed,
+                                             stages);
 }
 
 namespace {
@@ -337,6 +362,7 @@ MethodDescription describe_photon_mapper() {
                        Component::volume},
         .unbiased = false,
         .create = create_photon_mapper,
+        .stores_light = true,
     };
 }
 

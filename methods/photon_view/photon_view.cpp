@@ -76,7 +76,7 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     else
         plan.add("photon map", scene.has_light() && has_scattering,
                  scene.has_light() ? "no medium scatters light" : "nothing emits light");
-    plan.add(pass_eye_paths, "");
+    plan.add(step_eye_paths, "");
     return plan;
 }
 
@@ -179,12 +179,12 @@ public:
     Plan plan(const Scene& scene) const override { return photon_view_plan(scene, settings_); }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
+        const Plan planned = plan(scene);
         auto points = std::make_shared<ShownPoints>(
             ShownPoints{scene, settings_.kind, static_cast<float>(settings_.size) * scene.diagonal()});
         EyeSampling sampling{.scene = scene, .points = PointSet::sobol, .seed = seed, .stages = stages};
-        if (passes.runs("irradiance cache")) make_records(*points, sampling);
-        if (passes.runs("photon map")) trace_map(*points, sampling);
+        if (planned.runs("irradiance cache")) make_records(*points, sampling);
+        if (planned.runs("photon map")) trace_map(*points, sampling);
         return average_eye_samples(sampling, {{Component::emission, component_of(settings_.kind)}, {}},
                                    View(std::move(points)));
     }

@@ -16,11 +16,10 @@
 #include "methods/parts/density/first_radius.h"
 #include "methods/parts/density/progressive_parameters.h"
 #include "methods/parts/density/shrinking_radius.h"
-#include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/photon_mapping/eye_pass.h"
+#include "methods/parts/photon_mapping/photon_maps.h"
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/photon_mapper/eye_pass.h"
-#include "methods/photon_mapper/plan.h"
 
 #include <algorithm>
 
@@ -32,12 +31,12 @@ constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot a
 constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
-    PhotonMapperSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
+    PhotonMapSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
     double alpha;
     std::uint64_t first_pass;
 };
 
-class ProgressivePhotonMapperRun final : public Run, public HoldsStoredLight {
+class ProgressivePhotonMapperRun final : public Run {
 public:
     ProgressivePhotonMapperRun(const Scene& scene, const ProgressiveSettings& settings, const Plan& plan,
                                const ShownComponents& shown, std::uint64_t seed, StageTimes& stages)
@@ -47,15 +46,14 @@ public:
           seed_(seed),
           stages_(stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black, blurred(shown)),
-          walk_{settings.maps.max_edges, plan.runs(pass_light_sampling), plan.runs(pass_specular)},
-          shrinking_(settings.alpha) {
-        const auto timer = stages.time("projection map");
-        aims_ = build_aims(plan, scene, settings.maps);
-    }
+          walk_{settings.maps.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
+          shrinking_(settings.alpha),
+          aims_(build_aims(plan, scene, settings.maps, stages)),
+          tracing_(scene, settings.maps.max_edges, stages) {}
 
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
-        if (!plan_.runs(pass_eye_paths)) return Progress::converged;
+        if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
             find_first_radii();
             if (settings_.maps.area == DiscArea::surface)
@@ -73,7 +71,7 @@ public:
     }
 
     ComponentImages image() const override { return film_.mean(passes_); }
-    RunCounts counts() const override { return {photons_, rays_, film_.non_finite()}; }
+    RunCounts counts() const override { return {tracing_.photons(), rays_ + tracing_.rays(), film_.non_finite()}; }
     /// The radii of the first pass [scene diagonals].
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {radius_fact("radius", first_.global, scene_), radius_fact("caustic_radius", first_.caustic, scene_),
@@ -81,14 +79,12 @@ public:
     }
 
     StoredLight stored_light() const override {
-        StoredLight stored;
+        StoredLight stored{.changes_with_passes = plan_.runs(step_eye_paths), .is_of_one_pass = true};
         stored.add("global", maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
         return stored;
     }
-    bool changes_with_passes() const override { return plan_.runs(pass_eye_paths); }
-    bool has_photons_of_one_pass() const override { return true; }
 
 private:
     static std::vector<Component> blurred(const ShownComponents& shown) {
@@ -99,27 +95,14 @@ private:
     }
 
     void trace_maps(std::uint64_t seed) {
-        const PhotonMapperSettings& s = settings_.maps;
+        const PhotonMapSettings& s = settings_.maps;
         maps_.caustic = maps_.global = maps_.volume = PhotonMap();  // gives their memory back
-        if (plan_.runs(pass_caustic))
-            maps_.caustic = map_of(PhotonMapKind::caustic, s.caustic_photons, aims_.caustic.get(), seed);
-        if (plan_.runs(pass_global)) maps_.global = map_of(PhotonMapKind::global, s.photons, aims_.global.get(), seed);
-        if (plan_.runs(pass_volume))
-            maps_.volume = map_of(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
-    }
-
-    PhotonMap map_of(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
-        PhotonWalkResult walk = photons_of(kind, count, aim, seed);
-        const auto timer = stages_.time("tree build");
-        return PhotonMap(std::move(walk.photons), walk.unit);
-    }
-
-    PhotonWalkResult photons_of(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
-        const auto timer = stages_.time("photon tracing");
-        PhotonWalkResult walk = trace_photons(scene_, kind, count, settings_.maps.max_edges, seed, aim);
-        rays_ += walk.rays;
-        photons_ += walk.emitted;
-        return walk;
+        if (plan_.runs(step_caustic))
+            maps_.caustic = tracing_.traced_map(PhotonMapKind::caustic, s.caustic_photons, aims_.caustic.get(), seed);
+        if (plan_.runs(step_global))
+            maps_.global = tracing_.traced_map(PhotonMapKind::global, s.photons, aims_.global.get(), seed);
+        if (plan_.runs(step_volume))
+            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
@@ -129,17 +112,17 @@ private:
         const std::uint64_t passes = pilot_passes(static_cast<double>(count));
         PhotonWalkResult pilot;
         for (std::uint64_t pass = 0; pass < passes; ++pass) {
-            PhotonWalkResult walk = photons_of(kind, count, aim, combine_keys(combine_keys(seed_, pilot_key), pass));
+            const std::uint64_t key = combine_keys(combine_keys(seed_, pilot_key), pass);
+            const PhotonWalkResult walk = tracing_.trace(kind, count, aim, key);
             pilot.photons.insert(pilot.photons.end(), walk.photons.begin(), walk.photons.end());
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal(),
-                            [](const Photon& photon) { return double{photon.power().mean()}; });
+                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
     void find_first_radii() {
-        const PhotonMapperSettings& s = settings_.maps;
+        const PhotonMapSettings& s = settings_.maps;
         const bool all_given = s.radius > 0 && s.caustic_radius > 0 && s.volume_radius > 0;
         const SeenPlaces seen = all_given ? SeenPlaces() : seen_places(scene_, walk_, seed_, rays_);
         const auto radius = [&](std::string_view step, PhotonMapKind kind, double given, std::uint64_t count,
@@ -149,14 +132,14 @@ private:
                                     kind == PhotonMapKind::volume ? seen.in_media : seen.on_surfaces);
         };
         first_ = {
-            radius(pass_caustic, PhotonMapKind::caustic, s.caustic_radius, s.caustic_photons, aims_.caustic.get()),
-            radius(pass_global, PhotonMapKind::global, s.radius, s.photons, aims_.global.get()),
-            radius(pass_volume, PhotonMapKind::volume, s.volume_radius, s.volume_photons, aims_.global.get())};
+            radius(step_caustic, PhotonMapKind::caustic, s.caustic_radius, s.caustic_photons, aims_.caustic.get()),
+            radius(step_global, PhotonMapKind::global, s.radius, s.photons, aims_.global.get()),
+            radius(step_volume, PhotonMapKind::volume, s.volume_radius, s.volume_photons, aims_.global.get())};
     }
 
     /// Sets the estimators of the present pass.
     void set_radii(std::uint64_t passes_before) {
-        const PhotonMapperSettings& s = settings_.maps;
+        const PhotonMapSettings& s = settings_.maps;
         const auto on_surfaces = [&](double first) {
             return DensityEstimator{.kernel = s.kernel,
                                     .k = all_photons,
@@ -183,12 +166,13 @@ private:
     WalkSettings walk_;
     ShrinkingRadius shrinking_;
     Aims aims_;
+    PhotonTracing tracing_;
     std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
     struct {
         double caustic, global, volume;
-    } first_{};  ///< radii of the first pass [scene units]
-    std::uint64_t photons_ = 0, rays_ = 0;
+    } first_{};               ///< radii of the first pass [scene units]
+    std::uint64_t rays_ = 0;  ///< beside those of the maps
     std::uint32_t passes_ = 0;
 };
 
@@ -197,14 +181,23 @@ public:
     explicit ProgressivePhotonMapper(const ProgressiveSettings& settings) : settings_(settings) {}
 
     Plan plan(const Scene& scene) const override {
-        return photon_mapper_plan(scene, effects_of(scene), settings_for(scene).maps);
+        const PhotonMapSettings maps = settings_for(scene).maps;
+        Plan plan = described_plan(scene, find_method("progressive_photon_mapper"));
+        add_eye_paths(plan, scene, maps.max_edges);
+        add_light_sampling(plan, maps.max_edges);
+        add_specular_paths(plan);
+        add_caustic_map(plan, maps);
+        add_global_map(plan, maps);
+        add_volume_map(plan, scene, maps);
+        add_aims(plan, scene, maps);
+        return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
+        const Plan planned = plan(scene);
         return std::make_unique<ProgressivePhotonMapperRun>(
-            scene, settings_for(scene), passes,
-            shown_components(scene, passes.called_for, find_method("progressive_photon_mapper")), seed, stages);
+            scene, settings_for(scene), planned,
+            shown_components(scene, planned.called_for, find_method("progressive_photon_mapper")), seed, stages);
     }
 
 private:
@@ -278,6 +271,7 @@ MethodDescription describe_progressive_photon_mapper() {
         .components = {all_components.begin(), all_components.end()},
         .unbiased = false,
         .create = create_progressive_photon_mapper,
+        .stores_light = true,
     };
 }
 

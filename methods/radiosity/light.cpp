@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 #include "common/sampling/warp.h"
 #include "methods/parts/transport/direct_light.h"
+#include "methods/parts/transport/white_surface.h"
 #include "methods/radiosity/contacts.h"
 
 #include <algorithm>
@@ -17,14 +18,8 @@ constexpr std::size_t leaves_per_block = 64;
 /// Random dimension that places a sample on a patch, past the dimensions of the path's first vertex.
 constexpr std::uint32_t on_patch = dimension::at_vertex(1, 0);
 
-/// A material that reflects all light diffusely on both sides: the radiance that it reflects is irradiance / pi.
-const Bsdf& white() {
-    static const Bsdf bsdf(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
-    return bsdf;
-}
-
 Colord irradiance_at(RayQueries& rays, SurfaceHit hit, const Sampler& sampler) {
-    hit.bsdf = &white();
+    hit.bsdf = &white_bsdf();
     hit.shading = Frame(hit.ns);
     const VertexNumbers u = sampler.at_vertex(0);
     NumberStream flights(sampler);

@@ -49,14 +49,14 @@ void add_unresolved(Plan& plan) {
         add(Component::indirect);
 }
 
-class RadiosityRun final : public Run, public HoldsStoredLight {
+class RadiosityRun final : public Run {
 public:
     RadiosityRun(const Scene& scene, const RadiositySettings& settings, const Plan& plan, std::uint64_t seed,
                  StageTimes& stages)
         : model_(plan.runs(pass_solution) ? std::make_unique<RadiosityModel>(scene, settings, seed, stages) : nullptr),
-          traces_(plan.runs(pass_eye_paths)),
+          traces_(plan.runs(step_eye_paths)),
           view_(scene, plan.called_for, model_.get(),
-                {settings.max_edges, plan.runs(pass_light_sampling), settings.gather}, seed, stages) {}
+                {settings.max_edges, plan.runs(step_light_sampling), settings.gather}, seed, stages) {}
 
     Progress advance(std::uint32_t pass) override {
         const bool changed = model_ && model_->advance();
@@ -72,12 +72,11 @@ public:
     }
 
     StoredLight stored_light() const override {
-        StoredLight stored;
+        StoredLight stored{.changes_with_passes = model_ && !model_->has_converged()};
         // Before the first sweep, corners have no light yet.
         if (model_ && !model_->display().vertex_irradiance().empty()) stored.patches = stored_patches(*model_);
         return stored;
     }
-    bool changes_with_passes() const override { return model_ && !model_->has_converged(); }
 
 private:
     std::unique_ptr<RadiosityModel> model_;
@@ -165,6 +164,7 @@ MethodDescription describe_radiosity() {
         .components = {Component::emission, Component::direct, Component::indirect},
         .unbiased = false,
         .create = create_radiosity,
+        .stores_light = true,
     };
 }
 

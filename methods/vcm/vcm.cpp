@@ -17,10 +17,10 @@
 // for every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/scene/scene.h"
-#include "methods/bidirectional/joined_paths.h"
 #include "methods/parts/density/progressive_parameters.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 #include <fmt/format.h>
 
@@ -32,10 +32,6 @@ enum class Subset { all, path_tracing, light_tracing, bidirectional, photon_mapp
 constexpr std::array<std::string_view, 6> subset_names = {"all",           "path_tracing",   "light_tracing",
                                                           "bidirectional", "photon_mapping", "remainder"};
 
-bool merges(Subset subset) {
-    return subset == Subset::all || subset == Subset::photon_mapping || subset == Subset::remainder;
-}
-
 Techniques techniques_of(Subset subset) {
     const bool traces_paths = subset != Subset::light_tracing;
     const bool from_both_ends = subset == Subset::all || subset == Subset::bidirectional || subset == Subset::remainder;
@@ -43,8 +39,10 @@ Techniques techniques_of(Subset subset) {
             .light_sampling = traces_paths,
             .connections = from_both_ends,
             .camera = from_both_ends || subset == Subset::light_tracing,
-            .merging_everywhere = subset == Subset::photon_mapping,
-            .only_merging = subset == Subset::remainder};
+            .merges = subset == Subset::all              ? Merges::behind_focus
+                      : subset == Subset::photon_mapping ? Merges::everywhere
+                      : subset == Subset::remainder      ? Merges::alone
+                                                         : Merges::none};
 }
 
 class VertexConnectionAndMerging final : public Method {
@@ -54,25 +52,27 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("vcm"));
-        if (!merges(subset_)) plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        if (!merges()) plan.unresolved = components_of_delta_paths(scene, plan.called_for);
         if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
             plan.unresolved = find_method("vcm").components;
         add_joined_paths(plan, scene, settings_);
-        plan.add(std::string(pass_merging), why_not_merged(scene, plan));
+        plan.add(std::string(step_merging), why_not_merged(scene, plan));
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan passes = plan(scene);
+        const Plan planned = plan(scene);
         JoinedPathsSettings settings = settings_;
-        if (!passes.runs(pass_merging)) settings.merging.reset();
-        return start_joined_paths(scene, settings, passes,
-                                  shown_components(scene, passes.called_for, find_method("vcm")), seed, stages);
+        if (!planned.runs(step_merging)) settings.merging.reset();
+        return start_joined_paths(scene, settings, planned,
+                                  shown_components(scene, planned.called_for, find_method("vcm")), seed, stages);
     }
 
 private:
+    bool merges() const { return settings_.used.merges != Merges::none; }
+
     std::string why_not_merged(const Scene& scene, const Plan& plan) const {
-        if (!merges(subset_)) return "techniques leave merging out";
+        if (!merges()) return "techniques leave merging out";
         if (settings_.max_edges < 2) return "a path over a surface has two edges, more than max_depth allows";
         if (!scene.has_light()) return "nothing emits light";
         if (subset_ != Subset::photon_mapping && !plan.called_for.has(Effect::caustics))
@@ -88,7 +88,7 @@ private:
 
 std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDefaults& defaults) {
     const auto subset = chosen<Subset>(subset_names, values.choice("techniques"));
-    if (!merges(subset))
+    if (techniques_of(subset).merges == Merges::none)
         values.refuse({"alpha", "first_pass", "radius", "volume_radius", "kernel"},
                       "techniques=" + values.choice("techniques"));
     return std::make_unique<VertexConnectionAndMerging>(

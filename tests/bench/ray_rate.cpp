@@ -5,7 +5,7 @@
 #include "common/sampling/warp.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/path/path.h"
+#include "methods/parts/transport/trace_path.h"
 #include "tests/bench/paired_ratio.h"
 
 #include <benchmark/benchmark.h>

@@ -127,7 +127,7 @@ const std::vector<ComparedMethod>& compared_methods() {
     static const std::vector<ComparedMethod> methods = [] {
         std::vector<ComparedMethod> all;
         for (const MethodUnderTest& method : methods_under_test(Work::tiny)) {
-            const bool unbiased = method.description->unbiased, joins = method.runs(pass_connections);
+            const bool unbiased = method.description->unbiased, joins = method.runs(step_connections);
             all.push_back({method, unbiased || method.estimates_bias() ? Needs::nothing : Needs::same_patches,
                            unbiased ? 16u : 4u, unbiased && !joins && method.samples_pixels() ? most_scenes : 6});
         }

@@ -39,7 +39,7 @@ struct MethodUnderTest {
     bool runs(std::string_view pass) const { return std::find(passes.begin(), passes.end(), pass) != passes.end(); }
     /// Whether it takes samples of each pixel. Paths from the lights alone spread over the whole scene, so that a small
     /// part of it is noisy after as many passes.
-    bool samples_pixels() const { return runs(pass_eye_paths); }
+    bool samples_pixels() const { return runs(step_eye_paths); }
     /// Whether its images carry an estimate of their bias.
     bool estimates_bias() const { return render(scene_of_every_effect(), label, 1).total_bias().has_value(); }
     bool simulates(Effect effect) const { return description->simulates.has(effect); }
@@ -56,7 +56,7 @@ inline void PrintTo(const MethodUnderTest& method, std::ostream* out) { *out << 
 inline MethodUnderTest method_under_test(std::string name, const std::string& label) {
     MethodUnderTest method{std::move(name), label, &find_method(MethodLabel::parse(label).name), {}};
     for (const Plan::Step& step : method.plan(*scene_of_every_effect().scene).steps)
-        if (step.runs) method.passes.push_back(step.pass);
+        if (step.runs) method.passes.push_back(step.name);
     return method;
 }
 

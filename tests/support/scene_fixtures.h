@@ -62,7 +62,7 @@ inline ComponentImages render(const LoadedScene& scene, const std::string& label
 inline bool samples_pixels(const MethodDescription& method, const LoadedScene& scene) {
     const Plan plan = ConfiguredMethod(MethodLabel{method.name, {}}).create({})->plan(*scene.scene);
     return std::any_of(plan.steps.begin(), plan.steps.end(),
-                       [](const Plan::Step& step) { return step.pass == pass_eye_paths; });
+                       [](const Plan::Step& step) { return step.name == step_eye_paths; });
 }
 inline bool samples_pixels(const MethodDescription& method) {
     return samples_pixels(method, shipped_scene("furnace.xml"));

@@ -10,79 +10,23 @@ namespace gib {
 
 namespace {
 
-/// Sums over photons [W/(sr m^2)], kept apart by whether a medium scattered the photon on its path.
-struct PhotonSums {
-    Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
-
-    void add(const Photon& photon, const Colord& value) {
-        (photon.in_medium() ? through_media : between_surfaces) += value;
-    }
-};
-
-/// One look-up: finds the photons around a hit and estimates the radiance that they cause (Jensen 2001, chapter 7).
-class LookUp {
+/// Whether photons lie on the surface of a hit, as seen from wo.
+class OnSurface {
 public:
-    LookUp(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
-           const Vec3& wo, const EyePath& eye, const Vec2& u, std::vector<Neighbour>& neighbours, LastLookUp* last)
-        : e_(estimator),
-          map_(map),
-          rays_(rays),
-          hit_(hit),
-          normal_(normal_towards(hit, wo)),
-          wo_local_(hit.shading.to_local(wo)),
-          eye_(eye),
-          transmits_(hit.bsdf->traits().transmission),
-          common_factor_(Colord::Constant(map.unit())),
-          disc_(hit, normal_, u),
-          neighbours_(neighbours),
-          last_(last) {
-        neighbours_.clear();
-        // All photons are lifted above the horizon, so that an ideal diffuse side has the same f for all of them.
-        if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z())) {
-            has_same_f_ = true;
-            common_factor_ *= hit.bsdf->f_local(wo_local_, wo_local_).diffuse.cast<double>();
-        }
-    }
+    OnSurface(const SurfaceHit& hit, const Vec3& wo, const EyePath& eye, DiscArea area)
+        : normal_(normal_towards(hit, wo)), eye_(eye), area_(area), transmits_(hit.bsdf->traits().transmission) {}
 
-    Reflected radiance() {
-        Reflected light = e_.k == all_photons ? radiance_within(e_.max_radius) : radiance_of_nearest();
-        light.near_obstacle = near_obstacle_;
-        return light;
-    }
+    const Vec3& normal() const { return normal_; }
 
-private:
-    /// The estimate from the nearest photons (Jensen 2001, chapter 7): the sum of f power K(d) over the k - 1 photons
-    /// inside the disc whose radius is the distance of the k-th, or over all photons if fewer than k are found.
-    Reflected radiance_of_nearest() {
-        find_nearest();
-        std::size_t inside = neighbours_.size();
-        float r = e_.max_radius;
-        if (inside == e_.k) {
-            r = std::sqrt(neighbours_.back().distance2);
-            --inside;
-        }
-        const float known = std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius);
-        if (e_.compensation) compensate(inside, r, known);
-        if (inside < neighbours_.size() && r <= known) return radiance_within(known);
-        if (inside == 0 || !(r > 0.f)) return {.radius = r};
-        PhotonSums sums;
-        const bool even = e_.kernel == Kernel::uniform;
-        const double weight = kernel_weight(e_.kernel, 0.f, r);
-        for (std::size_t i = 0; i < inside; ++i) {
-            const Photon photon = map_[neighbours_[i].index];
-            sums.add(photon,
-                     reflected(photon) * (even ? weight : kernel_weight(e_.kernel, neighbours_[i].distance2, r)));
-        }
-        return normalised(sums, r);
-    }
-
-    bool counts(const Photon& photon, const Vec3& offset, float distance2) const {
+    /// `offset` is the photon's position relative to the hit, and `distance2` its squared length.
+    bool operator()(const Photon& photon, const Vec3& offset, float distance2) const {
         if (!eye_.accepts(photon)) return false;
-        if (e_.area == DiscArea::plain) return true;
+        if (area_ == DiscArea::plain) return true;
         return normal_agrees(photon) && sqr(offset.dot(normal_)) <= sqr(max_elevation_slope) * distance2;
     }
 
-    /// Whether the normal at the photon agrees with the look-up's. The last answer is kept, because neighbouring
+private:
+    /// Whether the normal at the photon agrees with that of the hit. The last answer is kept, because neighbouring
     /// photons mostly lie on one plane: this saves a tenth of a look-up's time.
     bool normal_agrees(const Photon& photon) const {
         if (photon.normal_code() != judged_normal_) {
@@ -93,19 +37,49 @@ private:
         return agrees_;
     }
 
-    /// Finds the k nearest photons that count. Rays look for obstacles and layers only as far as the photons lie that
-    /// were found without them, so a look-up without obstacles traces a few short rays. If something stands there,
-    /// the search is repeated without the photons that it hides.
-    void find_nearest() {
+    Vec3 normal_;
+    const EyePath& eye_;
+    DiscArea area_;
+    bool transmits_;                                     ///< the material scatters light from behind, too
+    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< normal code of the photon judged last; none at first
+    mutable bool agrees_ = false;                        ///< the answer for that code
+};
+
+/// The memory of a thread's look-ups, which none of them has to take for itself.
+std::vector<Neighbour>& neighbours_of_thread() {
+    static thread_local std::vector<Neighbour> neighbours;
+    return neighbours;
+}
+
+/// The search for the photons of one look-up: those that lie on the surface of its point, in the part of the disc that no
+/// obstacle hides (surface_disc.h), and that may be joined with its eye path.
+class PhotonSearch {
+public:
+    PhotonSearch(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
+                 const Vec3& wo, const EyePath& eye, const Vec2& u, LastLookUp* last)
+        : e_(estimator),
+          map_(map),
+          rays_(rays),
+          hit_(hit),
+          counts_(hit, wo, eye, estimator.area),
+          disc_(hit, counts_.normal(), u),
+          neighbours_(neighbours_of_thread()),
+          last_(last) {}
+
+    /// Finds the k nearest photons. If there are k, the last one is the farthest.
+    ///
+    /// Rays look for obstacles and layers only as far as the photons lie that were found without them, so a look-up without
+    /// obstacles traces a few short rays. If something stands there, the search is repeated without the photons that it
+    /// hides.
+    std::vector<Neighbour>& nearest() {
         bool any_off_plane = false;
-        const auto near_plane = [&](const Photon& photon, float distance2) {
+        find_k([&](const Photon& photon, float distance2) {
             const Vec3 offset = photon.p - hit_.p;
-            if (!counts(photon, offset, distance2)) return false;
+            if (!counts_(photon, offset, distance2)) return false;
             any_off_plane |= disc_.off_plane(offset);
             return true;
-        };
-        find_k(near_plane);
-        if (e_.area != DiscArea::surface || neighbours_.empty()) return;
+        });
+        if (e_.area != DiscArea::surface || neighbours_.empty()) return neighbours_;
 
         const auto offset_of = [this](const Neighbour& n) -> Vec3 { return map_[n.index].p - hit_.p; };
         bool hidden = false;
@@ -118,18 +92,46 @@ private:
                                  [&](const auto& n) { return !disc_.in_layer(offset_of(n)); });
         }
         const float r = neighbours_.size() == e_.k && !hidden ? std::sqrt(neighbours_.back().distance2) : e_.max_radius;
-        if (!hidden && is_flat_within(r)) return;
-        if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return;
+        if (!hidden && is_flat_within(r)) return neighbours_;
+        if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return neighbours_;
         near_obstacle_ = true;
         map_.nearest(
             hit_.p, e_.k, e_.max_radius,
             [this](const Photon& photon, float distance2) {
                 const Vec3 offset = photon.p - hit_.p;
-                return counts(photon, offset, distance2) && disc_.contains(offset);
+                return counts_(photon, offset, distance2) && disc_.contains(offset);
             },
             neighbours_);
+        return neighbours_;
     }
 
+    /// Calls visit(photon, distance2) for all photons within r > 0.
+    template <typename Visit>
+    void for_each_within(float r, const Visit& visit) {
+        const bool on_surface = e_.area == DiscArea::surface;
+        if (on_surface && !is_flat_within(r)) {
+            disc_.find_layers(rays_, max_elevation_slope * r);
+            near_obstacle_ = disc_.find_obstacles(rays_, r, r);
+        }
+        map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
+            const Vec3 offset = photon.p - hit_.p;
+            if (counts_(photon, offset, distance2) && (!on_surface || disc_.contains(offset))) visit(photon, distance2);
+        });
+    }
+
+    const PhotonMap& map() const { return map_; }
+    /// The share phi of the kernel's disc of radius r that lies on the surface, as far as rays have shown.
+    float share_on_surface(float r) const {
+        if (e_.area != DiscArea::surface || flat_) return 1.f;
+        return disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
+    }
+    /// The area of the part of a disc of radius r that no obstacle hides, over pi.
+    double free_area(float r) const { return double{disc_.share(Kernel::uniform, r)} * double{r} * double{r}; }
+    /// The largest radius that the rounding of positions does not resolve, but at most the estimator's.
+    float unresolved_radius() const { return std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius); }
+    bool near_obstacle() const { return near_obstacle_; }
+
+private:
     /// Finds the k nearest photons that `accept` accepts. By the triangle inequality, the ball of the last look-up lies
     /// within its radius and the distance to it. If the last look-up was close by, this ball holds hardly more than k
     /// photons. If it holds fewer, which other surfaces or limits may cause, the search is repeated in the largest one.
@@ -149,35 +151,39 @@ private:
         return flat_;
     }
 
-    /// The estimate from all photons within r.
-    Reflected radiance_within(float r) {
-        const bool on_surface = e_.area == DiscArea::surface;
-        if (!(r > 0.f)) return {};
-        if (on_surface && !is_flat_within(r)) {
-            disc_.find_layers(rays_, max_elevation_slope * r);
-            near_obstacle_ = disc_.find_obstacles(rays_, r, r);
+    const DensityEstimator& e_;
+    const PhotonMap& map_;
+    RayQueries& rays_;
+    const SurfaceHit& hit_;
+    OnSurface counts_;
+    SurfaceDisc disc_;
+    std::vector<Neighbour>& neighbours_;
+    LastLookUp* last_;
+    bool near_obstacle_ = false;
+    bool flat_ = false;  ///< the whole disc lies on the surface, with nothing near it
+};
+
+/// What one photon adds to the sum of Jensen's equation 7.5: its power Phi times f of its direction and wo. Factors that
+/// all photons have in common are left to common().
+class ReflectedPower {
+public:
+    ReflectedPower(const SurfaceHit& hit, const Vec3& wo, const EyePath& eye, double unit)
+        : hit_(hit),
+          wo_local_(hit.shading.to_local(wo)),
+          eye_(eye),
+          transmits_(hit.bsdf->traits().transmission),
+          common_(Colord::Constant(unit)) {
+        // All photons are lifted above the horizon, so that an ideal diffuse side has the same f for all of them.
+        if (!transmits_ && hit.ns == hit.ng && hit.bsdf->ideal_diffuse_reflectance(wo_local_.z())) {
+            has_same_f_ = true;
+            common_ *= hit.bsdf->f_local(wo_local_, wo_local_).diffuse.cast<double>();
         }
-        PhotonSums sums, narrow;
-        const float narrow_r = e_.estimates_bias ? narrow_radius * r : 0.f;
-        map_.within(hit_.p, r, [&](const Photon& photon, float distance2) {
-            const Vec3 offset = photon.p - hit_.p;
-            if (!counts(photon, offset, distance2) || (on_surface && !disc_.contains(offset))) return;
-            const Colord value = reflected(photon);
-            sums.add(photon, value * kernel_weight(e_.kernel, distance2, r));
-            if (distance2 < sqr(narrow_r)) narrow.add(photon, value * kernel_weight(e_.kernel, distance2, narrow_r));
-        });
-        Reflected L = normalised(sums, r);
-        if (e_.estimates_bias) {
-            const Reflected less = normalised(narrow, narrow_r);
-            L.bias_between_surfaces = bias_of_difference * (L.between_surfaces - less.between_surfaces);
-            L.bias_through_media = bias_of_difference * (L.through_media - less.through_media);
-        }
-        return L;
     }
 
-    /// f times the power of one photon, its term of the sum without the kernel. Factors that all photons have in common
-    /// are left to normalised().
-    Colord reflected(const Photon& photon) const {
+    /// The unit of power [W], times f [1/sr] if all photons have the same.
+    const Colord& common() const { return common_; }
+
+    Colord operator()(const Photon& photon) const {
         // In double: a bright photon's power times the factors may exceed the range of float before the
         // kernel lowers it.
         Colord arriving = photon.power().cast<double>();
@@ -191,78 +197,133 @@ private:
         return f.cast<double>() * arriving * double{shading_normal_factor(hit_, wi)};
     }
 
-    /// The sums times the factors of all photons, over the share phi of the disc that lies on the surface.
-    Reflected normalised(const PhotonSums& sums, float r) {
-        Reflected L{.between_surfaces = (common_factor_ * sums.between_surfaces).cast<float>(),
-                    .through_media = (common_factor_ * sums.through_media).cast<float>(),
-                    .radius = r};
-        if (e_.area == DiscArea::surface && !flat_ && !(is_black(L.between_surfaces) && is_black(L.through_media))) {
-            const float share = disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
-            L.between_surfaces /= share;
-            L.through_media /= share;
+private:
+    const SurfaceHit& hit_;
+    Vec3 wo_local_;
+    const EyePath& eye_;
+    bool transmits_;           ///< the material scatters light from behind, too
+    bool has_same_f_ = false;  ///< f does not depend on the photon's direction
+    Colord common_;
+};
+
+/// Sum of f Phi K(d) over the photons of a disc, kept apart by whether a medium scattered the photon on its path.
+class KernelSum {
+public:
+    KernelSum(Kernel kernel, float r)
+        : kernel_(kernel), r_(r), at_centre_(r > 0.f ? kernel_weight(kernel, 0.f, r) : 0) {}
+
+    void add(const Photon& photon, const Colord& f_phi, float distance2) {
+        const double K = kernel_ == Kernel::uniform ? at_centre_ : kernel_weight(kernel_, distance2, r_);
+        (photon.in_medium() ? through_media : between_surfaces) += f_phi * K;
+    }
+
+    Colord between_surfaces = Colord::Zero(), through_media = Colord::Zero();
+
+private:
+    Kernel kernel_;
+    float r_;
+    double at_centre_;
+};
+
+/// One estimate of the radiance that photons cause at a hit (Jensen 2001, chapter 7).
+class Estimate {
+public:
+    Estimate(const DensityEstimator& estimator, PhotonSearch& search, const ReflectedPower& f_phi)
+        : e_(estimator), search_(search), f_phi_(f_phi) {}
+
+    /// From the k - 1 photons inside the disc whose radius is the distance of the k-th, or from all photons if fewer
+    /// than k are found.
+    Reflected from_nearest() const {
+        auto& neighbours = search_.nearest();
+        std::size_t inside = neighbours.size();
+        float r = e_.max_radius;
+        if (inside == e_.k) {
+            r = std::sqrt(neighbours.back().distance2);
+            --inside;
         }
+        const float unresolved = search_.unresolved_radius();
+        if (e_.compensation) compensate(neighbours, inside, r, unresolved);
+        if (inside < neighbours.size() && r <= unresolved) return from_all_within(unresolved);
+        if (inside == 0 || !(r > 0.f)) return {.radius = r};
+        return radiance(r, 0.f, [&](const auto& add) {
+            for (std::size_t i = 0; i < inside; ++i)
+                add(search_.map()[neighbours[i].index], neighbours[i].distance2);
+        });
+    }
+
+    Reflected from_all_within(float r) const {
+        if (!(r > 0.f)) return {};
+        return radiance(r, e_.estimates_bias ? narrow_radius * r : 0.f,
+                        [&](const auto& add) { search_.for_each_within(r, add); });
+    }
+
+private:
+    /// The radiance estimate of Jensen 2001, equation 7.5,
+    ///     L_r(x, wo) = sum over photons p of f(x, w_p, wo) Phi_p / (pi r^2),
+    /// with K(d_p) / phi in place of 1 / (pi r^2). `photons` calls a function for each photon within r. If a smaller
+    /// radius is given, the difference to the estimate from it tells the bias.
+    template <typename Photons>
+    Reflected radiance(float r, float narrow_r, const Photons& photons) const {
+        KernelSum sum(e_.kernel, r), narrow(e_.kernel, narrow_r);
+        photons([&](const Photon& p, float distance2) {
+            const Colord f_phi = f_phi_(p);
+            sum.add(p, f_phi, distance2);
+            if (narrow_r > 0.f && distance2 < sqr(narrow_r)) narrow.add(p, f_phi, distance2);
+        });
+        Reflected L = over_phi(sum, r);
+        if (narrow_r > 0.f) set_bias(L, over_phi(narrow, narrow_r));
         return L;
+    }
+
+    /// The sums times the factors of all photons, over the share phi of the disc that lies on the surface.
+    Reflected over_phi(const KernelSum& sum, float r) const {
+        Reflected L{.between_surfaces = (f_phi_.common() * sum.between_surfaces).cast<float>(),
+                    .through_media = (f_phi_.common() * sum.through_media).cast<float>(),
+                    .radius = r};
+        if (is_black(L.between_surfaces) && is_black(L.through_media)) return L;
+        const float phi = search_.share_on_surface(r);
+        L.between_surfaces /= phi;
+        L.through_media /= phi;
+        return L;
+    }
+
+    static void set_bias(Reflected& L, const Reflected& narrow) {
+        L.bias_between_surfaces = bias_of_difference * (L.between_surfaces - narrow.between_surfaces);
+        L.bias_through_media = bias_of_difference * (L.through_media - narrow.through_media);
     }
 
     /// Reduces `inside` and `r` to the largest disc whose estimate agrees with those of all smaller discs
     /// (bias_compensation.h). No disc has a radius below `least` [scene units].
-    void compensate(std::size_t& inside, float& r, float least) {
+    void compensate(std::vector<Neighbour>& neighbours, std::size_t& inside, float& r, float least) const {
         if (inside <= smallest_disc) return;
-        std::sort(neighbours_.begin(), neighbours_.end());
+        std::sort(neighbours.begin(), neighbours.end());
         std::array<NestedDisc, most_discs> discs;
         std::array<float, most_discs> radii;
         std::size_t n = 0;
         NestedDisc disc{};
-        const auto close = [&](float reach) {
-            const float radius = std::max(reach, least);
-            disc.area = double{disc_.share(Kernel::uniform, radius)} * double{radius} * double{radius};
-            discs[n] = disc;
-            radii[n++] = radius;
+        const auto add_disc = [&](std::size_t photons, float rim) {
+            for (; disc.photons < photons; ++disc.photons) {
+                const double weight = (f_phi_.common() * f_phi_(search_.map()[neighbours[disc.photons].index])).sum();
+                disc.weight += weight;
+                disc.squared_weight += weight * weight;
+            }
+            radii[n] = std::max(rim, least);
+            disc.area = search_.free_area(radii[n]);
+            discs[n++] = disc;
         };
         // The rim of a disc of n photons passes through the next photon, as that of the whole disc does.
-        for (std::size_t end = smallest_disc; end < inside; end = next_disc(end)) {
-            add(disc, end);
-            close(std::sqrt(neighbours_[end].distance2));
-        }
-        add(disc, inside);
-        close(r);
+        for (std::size_t photons = smallest_disc; photons < inside; photons = next_disc(photons))
+            add_disc(photons, std::sqrt(neighbours[photons].distance2));
+        add_disc(inside, r);
         const std::size_t chosen = largest_agreeing_disc(std::span(discs).first(n));
         inside = discs[chosen].photons;
         r = radii[chosen];
     }
 
-    void add(NestedDisc& disc, std::size_t end) const {
-        for (; disc.photons < end; ++disc.photons) {
-            const double weight = (common_factor_ * reflected(map_[neighbours_[disc.photons].index])).sum();
-            disc.weight += weight;
-            disc.squared_weight += weight * weight;
-        }
-    }
-
     const DensityEstimator& e_;
-    const PhotonMap& map_;
-    RayQueries& rays_;
-    const SurfaceHit& hit_;
-    Vec3 normal_;
-    Vec3 wo_local_;
-    const EyePath& eye_;
-    bool transmits_;           ///< the material scatters light from behind, too
-    bool has_same_f_ = false;  ///< f does not depend on the photon's direction
-    Colord common_factor_;     ///< the unit of power [W], times f [1/sr] if all photons have the same
-    mutable std::uint32_t judged_normal_ = 0xffffffffu;  ///< normal code of the photon judged last; none at first
-    mutable bool agrees_ = false;                        ///< the answer for that code
-    bool near_obstacle_ = false;
-    bool flat_ = false;  ///< the whole disc lies on the surface, with nothing near it
-    SurfaceDisc disc_;
-    std::vector<Neighbour>& neighbours_;
-    LastLookUp* last_;
+    PhotonSearch& search_;
+    const ReflectedPower& f_phi_;
 };
-
-/// The memory of a thread's look-ups, which none of them has to take for itself.
-std::vector<Neighbour>& neighbours_of_thread() {
-    static thread_local std::vector<Neighbour> neighbours;
-    return neighbours;
-}
 
 }  // namespace
 
@@ -282,7 +343,12 @@ float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,
                                                std::uint32_t dimension, LastLookUp* last) const {
-    return LookUp(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), neighbours_of_thread(), last).radiance();
+    PhotonSearch search(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), last);
+    const ReflectedPower f_phi(hit, wo, eye, map.unit());
+    const Estimate estimate(*this, search, f_phi);
+    Reflected light = k == all_photons ? estimate.from_all_within(max_radius) : estimate.from_nearest();
+    light.near_obstacle = search.near_obstacle();
+    return light;
 }
 
 }  // namespace gib

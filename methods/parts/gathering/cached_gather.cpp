@@ -5,7 +5,6 @@
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <numeric>
 
@@ -85,7 +84,8 @@ CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, const 
       settings_(settings),
       pixel_(middle_ray(scene.sensor(), 0)),
       next_pixel_(middle_ray(scene.sensor(), 1)),
-      cache_(scene.bounds(), settings.accuracy) {}
+      cache_(scene.bounds(), settings.accuracy),
+      missing_(pixel_blocks(scene.sensor())) {}
 
 float CachedGather::pixel_width_at(float distance) const {
     return ((next_pixel_.o + distance * next_pixel_.d) - (pixel_.o + distance * pixel_.d)).norm();
@@ -115,7 +115,8 @@ std::optional<CachedGather::CachedSurface> CachedGather::cached_surface(const Ey
     return CachedSurface{cosine > 0.f ? hit.ns : Vec3(-hit.ns), *reflectance * (*share * inv_pi)};
 }
 
-std::optional<Color> CachedGather::reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit) {
+std::optional<Color> CachedGather::reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit,
+                                                      std::size_t pixel) {
     const auto surface = cached_surface(vertex, hit);
     if (!surface) return std::nullopt;
     auto irradiance = cache_.interpolate(hit.p, surface->normal, slack);
@@ -123,35 +124,18 @@ std::optional<Color> CachedGather::reflected_radiance(const EyeVertex& vertex, c
         const RecordPlace place = place_at(vertex, hit, *surface);
         const IrradianceRecord record = gather_.record_at(vertex.walk.rays, place);
         irradiance = record.irradiance;
-        if (record.is_finite()) {  // otherwise only this sample suffers, and the film counts it
-            const std::scoped_lock lock(missing_mutex_);
-            missing_.push_back({record, place.spacing});
-        }
+        // If it is not finite, only this sample suffers, and the film counts it.
+        if (record.is_finite()) missing_[pixel / pixels_per_block].push_back({record, place.spacing});
     }
     return Color(surface->radiance_per_irradiance * *irradiance);
 }
 
 void CachedGather::end_pass() {
-    // The records are sorted, so that their order does not depend on the threads.
-    const auto key = [](const Missing& m) {
-        const IrradianceRecord& r = m.record;
-        std::array<float, 9 + 2 * 9 + 3> all;
-        auto next = all.begin();
-        const auto add = [&](const auto& numbers) { next = std::copy(numbers.begin(), numbers.end(), next); };
-        add(r.p);
-        add(r.n);
-        add(r.irradiance);
-        for (const Vec3& gradient : r.rotation)
-            add(gradient);
-        for (const Vec3& gradient : r.translation)
-            add(gradient);
-        add(std::array{r.distance, m.spacing.least, m.spacing.greatest});
-        return all;
-    };
-    std::sort(missing_.begin(), missing_.end(), [&](const Missing& a, const Missing& b) { return key(a) < key(b); });
-    for (const Missing& m : missing_)
-        if (!cache_.covers(m.record.p, m.record.n)) cache_.insert(m.record, m.spacing);
-    missing_.clear();
+    for (std::vector<Missing>& of_block : missing_) {
+        for (const Missing& m : of_block)
+            if (!cache_.covers(m.record.p, m.record.n)) cache_.insert(m.record, m.spacing);
+        of_block.clear();
+    }
 }
 
 std::uint64_t CachedGather::add_records(const std::vector<RecordPlace>& candidates) {

@@ -14,8 +14,6 @@
 #include "methods/parts/gathering/final_gather.h"
 #include "methods/parts/gathering/refined_grid.h"
 
-#include <mutex>
-
 namespace gib {
 
 class StageProgress;
@@ -44,9 +42,9 @@ public:
     std::uint64_t overture(const WalkSettings& walk, std::uint64_t seed, StageProgress* progress);
 
     /// Indirect radiance [W/(sr m^2)] that an ideal diffuse surface sends back along the eye path that has reached
-    /// `hit`. Empty if the surface is of another kind, or if the limit on the length of paths makes records invalid
-    /// here.
-    std::optional<Color> reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit);
+    /// `hit` through this pixel. Empty if the surface is of another kind, or if the limit on the length of paths
+    /// makes records invalid here.
+    std::optional<Color> reflected_radiance(const EyeVertex& vertex, const SurfaceHit& hit, std::size_t pixel);
     /// Adds the records that were missing in the pass. Call it while no thread samples.
     void end_pass();
 
@@ -95,8 +93,7 @@ private:
         IrradianceRecord record;
         RecordSpacing spacing;
     };
-    std::mutex missing_mutex_;
-    std::vector<Missing> missing_;
+    std::vector<std::vector<Missing>> missing_;  ///< by block of pixels, each of which one thread samples
 };
 
 }  // namespace gib

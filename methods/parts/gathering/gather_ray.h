@@ -4,7 +4,7 @@
 // there, and is estimated otherwise.
 
 #include "methods/parts/gathering/precomputed_irradiance.h"
-#include "methods/path/path.h"
+#include "methods/parts/transport/trace_path.h"
 
 #include <vector>
 

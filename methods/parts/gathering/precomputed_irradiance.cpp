@@ -4,6 +4,7 @@
 #include "methods/method.h"
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
+#include "methods/parts/transport/white_surface.h"
 
 #include <algorithm>
 #include <atomic>
@@ -14,12 +15,6 @@ namespace gib {
 namespace {
 
 constexpr std::size_t places_per_block = 256;
-
-/// A material that reflects all light diffusely on both sides: the radiance that it reflects is irradiance / pi.
-const Bsdf& white() {
-    static const Bsdf bsdf(Diffuse{Color::Ones()}, Diffuse{Color::Ones()});
-    return bsdf;
-}
 
 /// The surface on which a photon lies, found by short rays down to it; empty if rounding keeps it from being found.
 /// The first ray starts a few rounding errors of the position, or 1e-10 scene diagonals, above the photon, to stay
@@ -100,7 +95,7 @@ PrecomputedIrradiance::PrecomputedIrradiance(const Scene& scene, const std::vect
             auto hit = surface_under(queries, places[i]);
             if (!hit) continue;
             const Vec3 normal = normal_towards(*hit, places[i].surface_normal());
-            hit->bsdf = &white();
+            hit->bsdf = &white_bsdf();
             const Reflected light = estimator.reflected_radiance(map, queries, *hit, normal, EyePath{max_photon_edges},
                                                                  Sampler(PointSet::independent, seed, i, 0), 0);
             const Color irradiance = pi * (light.between_surfaces + light.through_media);

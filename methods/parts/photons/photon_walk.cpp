@@ -26,16 +26,9 @@ constexpr double bytes_per_photon = sizeof(Photon) + 29;
 
 /// Name of the parameter for the number of photons that are emitted for a map of this kind.
 const char* name_of(PhotonMapKind kind) {
-    switch (kind) {
-        case PhotonMapKind::caustic:
-            return "caustic_photons";
-        case PhotonMapKind::volume:
-            return "volume_photons";
-        case PhotonMapKind::global:
-        case PhotonMapKind::full:
-            break;
-    }
-    return "photons";
+    return kind == PhotonMapKind::caustic  ? "caustic_photons"
+           : kind == PhotonMapKind::volume ? "volume_photons"
+                                           : "photons";
 }
 
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
@@ -53,12 +46,8 @@ public:
     /// Follows the photon, which the light has emitted with this power, in the result's unit.
     void trace(const Light& light, const Color& power) {
         at_.beta = power;
-        residual_ = power.cast<double>();
-        result_.balance.emitted += residual_;
         walk_.come_from(light);
-        account(power - at_.beta, result_.balance.lost_in_media);
         if (!is_black(at_.beta)) follow();
-        result_.balance.squared_residuals += residual_ * residual_;
     }
 
 private:
@@ -70,27 +59,20 @@ private:
         while (allows_edge(at_.vertex + 1)) {
             const Color before = at_.beta;
             const Flight flight = walk_.fly();
-            if (at_.medium) account(before - at_.beta, result_.balance.lost_in_media);
             if (flight.is_black) return;
             if (flight.scattering_at) {
                 if (!scatter_in_medium(*flight.scattering_at, before)) return;
                 continue;
             }
             auto hit = walk_.surface_hit();
-            if (!hit) {
-                account(at_.beta, result_.balance.escaped);
-                return;
-            }
+            if (!hit) return;
             const Vec3 wo = walk_.wo(), wo_local = hit->shading.to_local(wo);
             // The photon is stored before it may pass a hole, as an eye path decides for itself
             // whether the surface is there.
             if (stores_on_surfaces() && hit->bsdf->traits_at(wo_local.z()).diffuse)
                 result_.photons.emplace_back(hit->p, at_.beta, wo, normal_towards(*hit, wo), at_.vertex + 1,
                                              at_.path_class.in_medium, at_.stratum);
-            const Color arriving = at_.beta;
-            const bool passes = walk_.passes_through(*hit);
-            account(arriving - at_.beta, result_.balance.absorbed);
-            if (passes) continue;
+            if (walk_.passes_through(*hit)) continue;
             walk_.disperse(*hit, dimension::photon_stratum);
             if (!scatter(*hit, wo_local)) return;
         }
@@ -100,23 +82,8 @@ private:
     bool stores_on_surfaces() const {
         const PathClass& path = at_.path_class;
         const bool scattered = path.diffuse_vertices > 0 || path.in_medium;
-        switch (kind_) {
-            case PhotonMapKind::global:
-                return scattered;
-            case PhotonMapKind::full:
-                return true;
-            case PhotonMapKind::caustic:
-                return !scattered && path.specular_since_diffuse;
-            case PhotonMapKind::volume:
-                return false;
-        }
-        return false;
-    }
-
-    /// Books power that leaves the path in `part` of the balance.
-    void account(const Color& power, Colord& part) {
-        part += power.cast<double>();
-        residual_ -= power.cast<double>();
+        return kind_ == PhotonMapKind::full || (kind_ == PhotonMapKind::global && scattered) ||
+               (kind_ == PhotonMapKind::caustic && !scattered && path.specular_since_diffuse);
     }
 
     /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
@@ -147,7 +114,6 @@ private:
     bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
-        account(at_.beta * (1.f - albedo), result_.balance.absorbed);
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return false;
@@ -165,7 +131,6 @@ private:
     PhotonMapKind kind_;
     int max_edges_;
     PhotonWalkResult& result_;
-    Colord residual_ = Colord::Zero();  ///< power that the balance has not accounted for
 };
 
 /// Calls visit(start, first, sampler) for the photons [begin, end), where `first` is the start's
@@ -199,40 +164,22 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
     std::array<Ray, Accelerator::packet_size> packet;
     std::array<std::optional<Intersection>, Accelerator::packet_size> found;
     const auto sampler_of = [&](std::size_t at) { return Sampler(PointSet::independent, key, order[at].second, 0); };
-    for (std::size_t group = 0; group < order.size(); group += packet.size()) {
-        const std::size_t count = std::min(packet.size(), order.size() - group);
+    for (std::size_t packet_begin = 0; packet_begin < order.size(); packet_begin += packet.size()) {
+        const std::size_t count = std::min(packet.size(), order.size() - packet_begin);
         for (std::size_t j = 0; j < count; ++j) {
-            const Sampler sampler = sampler_of(group + j);
-            starts[j] =
-                aim.sample_emission(rays.scene(), order[group + j].first, sampler.get_2d(dimension::emission_position),
-                                    sampler.get_2d(dimension::emission_direction));
+            const Sampler sampler = sampler_of(packet_begin + j);
+            starts[j] = aim.sample_emission(rays.scene(), order[packet_begin + j].first,
+                                            sampler.get_2d(dimension::emission_position),
+                                            sampler.get_2d(dimension::emission_direction));
             packet[j] = starts[j].ray;
         }
         rays.trace(std::span(packet).first(count), found);
         for (std::size_t j = 0; j < count; ++j)
-            visit(starts[j], TracedRay{packet[j], found[j]}, sampler_of(group + j));
+            visit(starts[j], TracedRay{packet[j], found[j]}, sampler_of(packet_begin + j));
     }
 }
 
 }  // namespace
-
-PowerBalance& PowerBalance::operator+=(const PowerBalance& other) {
-    emitted += other.emitted;
-    absorbed += other.absorbed;
-    escaped += other.escaped;
-    lost_in_media += other.lost_in_media;
-    squared_residuals += other.squared_residuals;
-    return *this;
-}
-
-PowerBalance& PowerBalance::operator*=(double factor) {
-    emitted *= factor;
-    absorbed *= factor;
-    escaped *= factor;
-    lost_in_media *= factor;
-    squared_residuals *= factor * factor;
-    return *this;
-}
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log) {
@@ -266,11 +213,8 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
                                       std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
 
     result.photons = joined(parts, &PhotonWalkResult::photons);
-    for (const PhotonWalkResult& block : parts) {
+    for (const PhotonWalkResult& block : parts)
         result.rays += block.rays;
-        result.balance += block.balance;
-    }
-    result.balance *= result.unit;
     return result;
 }
 

@@ -26,30 +26,11 @@ enum class PhotonMapKind {
     full      ///< on diffuse surfaces, L (S|D|V)* D: all, for gather rays, which see all light that leaves a surface
 };
 
-/// The balance of a walk's emitted power [W]. Absorption is counted as its expectation at every hit, power (1 -
-/// albedo), so the parts sum to the emitted power only if the roulette and its rescaling are right, and only where
-/// normals are not interpolated (scattered_ray.h).
-struct PowerBalance {
-    Colord emitted = Colord::Zero();  ///< with a projection map: only the power emitted through its bins
-    Colord absorbed = Colord::Zero();
-    Colord escaped = Colord::Zero();
-    /// Power that free flights through media lost by their weights. Light that a medium scatters without absorbing it
-    /// also adds to this, with a mean of zero.
-    Colord lost_in_media = Colord::Zero();
-    /// Sum over photons of (emitted - absorbed - escaped - lost)^2. The standard error of
-    /// the balance follows from it.
-    Colord squared_residuals = Colord::Zero();
-
-    PowerBalance& operator+=(const PowerBalance& other);
-    PowerBalance& operator*=(double factor);
-};
-
 struct PhotonWalkResult {
     double unit = 1;              ///< unit of the photons' power [W]
     std::vector<Photon> photons;  ///< in the order of emission; aimed ones within a block in the order of their bins
     std::uint64_t emitted = 0;    ///< number of photons emitted
     std::uint64_t rays = 0;
-    PowerBalance balance;  ///< [W]
 };
 
 /// Emits exactly `count` photons, and returns those that are stored; the result is the same for any number of

@@ -1,6 +1,10 @@
 #include "methods/parts/stored_light/stored_light.h"
 
+#include "methods/method.h"
+
 namespace gib {
+
+StoredLight Run::stored_light() const { return {}; }
 
 void StoredLight::add(std::string_view name, const PhotonMap& map) {
     if (map.size() == 0) return;

@@ -32,30 +32,17 @@ struct StoredPatches {
     std::vector<std::array<std::uint32_t, 4>> patches;  ///< in turn around the patch; a triangle has its last twice
 };
 
+/// The light that a run stores after the passes so far: Run::stored_light().
 struct StoredLight {
-    std::vector<StoredPhotons> photons;  ///< a map each; maps that are not made or are empty are left out
-    std::vector<StoredRecord> records;
-    StoredPatches patches;
+    std::vector<StoredPhotons> photons = {};  ///< a map each; maps that are not made or are empty are left out
+    std::vector<StoredRecord> records = {};
+    StoredPatches patches = {};
+    bool changes_with_passes = false;  ///< a further pass stores other light: new photons, or a better solution
+    bool is_of_one_pass = false;       ///< the photons are those of the last pass alone
 
     bool empty() const { return photons.empty() && records.empty() && patches.patches.empty(); }
     /// Adds the photons of a map, unless it is empty.
     void add(std::string_view name, const PhotonMap& map);
 };
-
-/// The second interface of a Run that stores light.
-class HoldsStoredLight {
-public:
-    virtual ~HoldsStoredLight() = default;
-    /// The light that is stored after the passes so far.
-    virtual StoredLight stored_light() const = 0;
-    /// Whether a further pass stores other light: new photons, or a better solution.
-    virtual bool changes_with_passes() const = 0;
-    /// Whether the photons are those of the last pass alone.
-    virtual bool has_photons_of_one_pass() const { return false; }
-};
-
-/// The methods whose runs are of this kind.
-inline constexpr std::array<std::string_view, 3> methods_that_store_light = {"photon_mapper",
-                                                                             "progressive_photon_mapper", "radiosity"};
 
 }  // namespace gib

@@ -30,7 +30,7 @@ public:
         passes_ = pass + 1;
         if (!sampling_.runs) return Progress::converged;
         sampling_.rays += sample_pixels(sampling_.scene, film_, sampling_.points, sampling_.seed, pass,
-                                        sampling_.stages, pass_eye_paths, [this] { return estimate_; });
+                                        sampling_.stages, step_eye_paths, [this] { return estimate_; });
         return Progress::more;
     }
 

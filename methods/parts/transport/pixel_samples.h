@@ -52,6 +52,13 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
     });
 }
 
+/// One thread samples a block of pixels.
+inline constexpr std::size_t pixels_per_block = 256;
+inline std::size_t pixel_blocks(const Sensor& sensor) {
+    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
+    return (pixels + pixels_per_block - 1) / pixels_per_block;
+}
+
 /// Adds one sample of every pixel to the film and returns the number of rays traced. The time and the progress are
 /// recorded in `stages` under the name `stage`. `start_block()` returns the sampling function for one block of
 /// pixels, PixelSample(RayQueries&, const TracedRay&, const Sampler&), which may own scratch memory and may take the
@@ -64,7 +71,7 @@ std::uint64_t sample_pixels(const Scene& scene, AnyFilm& film, PointSet points, 
     const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
     std::atomic<std::uint64_t> traced = 0;
     StageProgress progress(stages, stage, pixels);
-    parallel_blocks(pixels, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
+    parallel_blocks(pixels, pixels_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries rays(scene);
         auto sample = start_block();
         for_each_pixel(rays, points, seed, pass, begin, end,

@@ -24,21 +24,20 @@ class CameraWalk {
 public:
     /// `eye` has been traced. `paths` are the light paths for each of the camera's paths of a pixel. A throughput that is
     /// not finite ends the path and is added to the class's component of `lost`, for the film to count it.
-    CameraWalk(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, int max_edges, const LightPaths& paths,
-               const Techniques& used, PixelSample& lost, Found found, Visit visit)
+    CameraWalk(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const LightPaths& paths,
+               const PathRules& rules, PixelSample& lost, Found found, Visit visit)
         : scene_(rays.scene()),
-          max_edges_(max_edges),
           paths_(paths),
-          used_(used),
+          rules_(rules),
           lost_(lost),
           found_(std::move(found)),
           visit_(std::move(visit)),
           walk_(rays, sampler, eye, scene_.camera_medium()),
-          sums_(TechniqueSums::at_camera(scene_.sensor().ray_density(eye.ray.d), paths.count, used)) {}
+          sums_(TechniqueSums::at_camera(scene_.sensor().ray_density(eye.ray.d), paths.count, rules)) {}
 
     void follow() {
         bool goes_on = true;
-        while (goes_on && walk_.at.vertex < max_edges_) {
+        while (goes_on && walk_.at.vertex < rules_.max_edges) {
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
             const VertexNumbers u = walk_.sampler.at_vertex(walk_.at.vertex);
@@ -49,14 +48,14 @@ public:
 private:
     static constexpr int first_roulette_vertex = 3;  // as in path tracing
 
-    bool is_last() const { return walk_.at.vertex + 1 >= max_edges_; }
+    bool is_last() const { return walk_.at.vertex + 1 >= rules_.max_edges; }
 
     /// The event at p in the medium. Returns whether the path goes on.
     bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
         if (is_last()) return false;
         PathState& path = walk_.at;
-        arrive(p, 1, merging_at(used_, *path.medium, p), false);
-        if (used_.only_merging && sums_.can_connect()) return false;
+        arrive(p, 1, rules_.merging.at(*path.medium, p), false);
+        if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
         visit_(PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights);
         path.path_class.in_medium = true;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -74,7 +73,7 @@ private:
         }
         const TechniqueSums before = sums_;
         const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
-        arrive(hit->p, cosine, used_.merging_on_surfaces, used_.merging() && focuses(*hit, walk_.wo()));
+        arrive(hit->p, cosine, rules_.merging.on_surfaces, rules_.merging.any() && focuses(*hit, walk_.wo()));
         find_emitter(*hit, cosine);
         if (walk_.passes_through(*hit)) {
             sums_ = before;
@@ -86,7 +85,7 @@ private:
         walk_.disperse(*hit, dimension::stratum);
         const PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
         if (vertex.can_be_joined()) {
-            if (used_.only_merging && sums_.can_connect()) return false;
+            if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
             visit_(vertex, u, walk_.flights);
         }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
@@ -97,16 +96,16 @@ private:
         return true;
     }
 
-    void arrive(const Vec3& p, double cosine, double merging, bool focuses) {
+    void arrive(const Vec3& p, double cosine, double n, bool focuses) {
         const PathState& path = walk_.at;
         const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
         sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
-                     path.vertex == 0 || used_.connections, merging, focuses);
+                     path.vertex == 0 || rules_.used.connections, n, focuses);
     }
 
     /// Light that the camera sees itself is found even if no other is.
     bool finds_lights() const {
-        return !used_.only_merging && !walk_.ray.hides_emitters && (used_.hits || walk_.at.vertex == 0);
+        return !rules_.used.only_merging() && !walk_.ray.hides_emitters && (rules_.used.hits || walk_.at.vertex == 0);
     }
 
     void find_environment() {
@@ -128,7 +127,8 @@ private:
     void find(const Color& Le, double sampling, double emission) {
         if (is_black(Le)) return;
         const PathState& path = walk_.at;
-        const double others = path.vertex == 0 ? 0 : sums_.other_than_hit(sampling, emission, used_);
+        const double others =
+            path.vertex == 0 ? 0 : sums_.other_than_hit(sampling, emission, rules_.used);  // (42), (43)
         found_(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
     }
 
@@ -138,9 +138,8 @@ private:
     }
 
     const Scene& scene_;
-    int max_edges_;
     const LightPaths& paths_;
-    const Techniques& used_;
+    const PathRules& rules_;
     PixelSample& lost_;
     Found found_;
     Visit visit_;

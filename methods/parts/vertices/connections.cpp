@@ -13,39 +13,17 @@ Color transmitted(RayQueries& rays, const Segment& way, const Medium* medium, Nu
     return rays.scene().has_media() ? rays.transmittance(way, medium, flights) : rays.visibility(way);
 }
 
-/// Adds the path's light for each pair of lobes, at the vertices of the camera's walk and of the light's.
-void add_classes(PixelSample& light, const PathVertex& eye, const LobeValues& at_eye, const PathVertex& from_light,
-                 const LobeValues& at_light, const Color& rest) {
-    const auto add = [&](const PathClass& first, const Color& f_eye, const PathClass& last, const Color& f_light) {
-        const Color value = f_eye * f_light * rest;
-        if (!is_black(value)) light[first.followed_by(last).component()] += value;
-    };
-    // In a medium there are no kinds of lobes.
-    const auto eye_class = [&](LobeKind kind) {
-        PathClass path = eye.hit ? eye.path_class.after(kind) : eye.path_class;
-        path.in_medium |= !eye.hit;
-        return path;
-    };
-    const auto light_class = [&](LobeKind kind) {
-        PathClass path = from_light.hit ? from_light.path_class.preceded_by(kind) : from_light.path_class;
-        path.in_medium |= !from_light.hit;
-        return path;
-    };
-    for (const LobeKind e : {LobeKind::diffuse, LobeKind::specular})
-        for (const LobeKind l : {LobeKind::diffuse, LobeKind::specular})
-            add(eye_class(e), e == LobeKind::diffuse ? at_eye.diffuse : at_eye.specular, light_class(l),
-                l == LobeKind::diffuse ? at_light.diffuse : at_light.specular);
-}
+constexpr std::array lobe_kinds = {LobeKind::diffuse, LobeKind::specular};
 
-/// Adds the light of a path with only one such vertex.
-void add_classes(PixelSample& light, const PathVertex& at, const PathClass& diffuse, const PathClass& specular,
-                 const LobeValues& value, const Color& rest) {
-    if (!at.hit) {
-        light[Component::volume] += value.diffuse * rest;
-        return;
+const Color& of(const LobeValues& f, LobeKind kind) { return kind == LobeKind::diffuse ? f.diffuse : f.specular; }
+
+/// Adds the light of a path for each kind of lobe at its vertex, whose class is class_of(kind).
+template <typename ClassOf>
+void add_classes(PixelSample& light, const LobeValues& f, const Color& rest, const ClassOf& class_of) {
+    for (const LobeKind kind : lobe_kinds) {
+        const Color value = of(f, kind) * rest;
+        if (!is_black(value)) light[class_of(kind).component()] += value;
     }
-    if (!is_black(value.diffuse)) light[diffuse.component()] += value.diffuse * rest;
-    if (!is_black(value.specular)) light[specular.component()] += value.specular * rest;
 }
 
 bool is_within(const Sensor& sensor, const ReconstructionFilter::Pixel& pixel) {
@@ -80,7 +58,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 }  // namespace
 
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const VertexNumbers& u, NumberStream& flights, const Techniques& used) {
+                                           const Techniques& used, const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.lit(), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
@@ -91,19 +69,19 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     if (is_black(visible)) return std::nullopt;
 
     Connection path;
-    add_classes(path.light, eye, eye.path_class.after(LobeKind::diffuse), eye.path_class.after(LobeKind::specular),
-                scattered, eye.beta * light->Le * visible / light->pdf_w);
+    add_classes(path.light, scattered, eye.beta * light->Le * visible / light->pdf_w,
+                [&](LobeKind kind) { return eye.ending_with(kind); });
     const DirectionPdfs pdf = direction_pdfs(eye, eye.from, light->wi);
     const bool is_point = light->delta && std::isfinite(light->distance);
     const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
     const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
     const double emission = paths.emission.density(light->light, emitting, -light->wi, light->cos_light);
-    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);
+    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);  // (44)
     // Across the light's surface both the emission and its cosine are 0.
     const double step =
         emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
-    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);
-    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));
+    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);  // (45)
+    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));            // (37)
     return path;
 }
 
@@ -125,14 +103,20 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
 
     const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
     Connection path;
-    add_classes(path.light, eye, at_eye, light, at_light,
-                eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
-                    static_cast<float>(paths.power * to_light));
+    const Color rest = eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
+                       static_cast<float>(paths.power * to_light);
+    for (const LobeKind kind : lobe_kinds) {
+        const Color& f = of(at_eye, kind);
+        const PathClass first = eye.ending_with(kind);
+        add_classes(path.light, {f * at_light.diffuse, f * at_light.specular}, rest,
+                    [&](LobeKind last) { return first.followed_by(light.beginning_with(last)); });
+    }
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from, w), light_pdf = direction_pdfs(light, -w, light.from);
-    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);
+    const bool focuses = light.sums.merging().focuses();
+    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
-        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, light.sums.focuses());
-    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));
+        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
+    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));                          // (37)
     return path;
 }
 
@@ -145,20 +129,21 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     const Ray& ray = seen->view.ray;
     const LobeValues scattered = scattered_from_light(light, -ray.d);
     if (is_black(scattered.sum())) return std::nullopt;
-    const PathClass diffuse = light.path_class.preceded_by(LobeKind::diffuse);
-    film.prefetch(seen->pixel, diffuse.component());
+    film.prefetch(seen->pixel, light.beginning_with(LobeKind::diffuse).component());
     const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), paths.camera_on_surface, flights);
     if (is_black(visible)) return std::nullopt;
 
     const double distance = sensor.is_orthographic() ? 1. : double{seen->view.distance};
     const double per_area = double{light.cosine(ray.d)} / (distance * distance);
     Splat splat{.pixel = seen->pixel, .connection = {}};
-    add_classes(splat.connection.light, light, diffuse, light.path_class.preceded_by(LobeKind::specular), scattered,
-                light.beta * visible * static_cast<float>(paths.power * seen->density * per_area));
+    add_classes(splat.connection.light, scattered,
+                light.beta * visible * static_cast<float>(paths.power * seen->density * per_area),
+                [&](LobeKind kind) { return light.beginning_with(kind); });
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
-    const double others = squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);
-    splat.connection.weight = static_cast<float>(1 / (1 + others));
+    const double others =
+        squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);  // (46)
+    splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }
 

@@ -3,7 +3,7 @@
 // between such a vertex and the camera.
 //
 // Every connection returns the light of the path that it closes, by component, as if it were the only technique, and
-// the weight of this technique (technique_sums.h). The vertices at its ends scatter by lobes of both kinds, so the
+// the weight of this technique (technique_sums.h; numbers of equations are those of Georgiev 2012). The vertices at its ends scatter by lobes of both kinds, so the
 // path belongs to up to four classes.
 
 #include "common/images/splat_film.h"
@@ -20,7 +20,7 @@ struct Connection {
 
 /// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const VertexNumbers& u, NumberStream& flights, const Techniques& used);
+                                           const Techniques& used, const VertexNumbers& u, NumberStream& flights);
 
 /// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)].
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,

@@ -10,8 +10,8 @@ namespace gib {
 namespace {
 
 LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stages) {
-    if (!plan.runs(pass_light_aim)) return LightEmission(scene, false);
-    const auto timer = stages.time(pass_light_aim);
+    if (!plan.runs(step_light_aim)) return LightEmission(scene, false);
+    const auto timer = stages.time(step_light_aim);
     return LightEmission(scene, true);
 }
 
@@ -29,11 +29,11 @@ LightPaths::LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages)
 }
 
 void add_light_paths(Plan& plan, const Scene& scene, int max_edges) {
-    plan.add(pass_light_paths, scene.has_light() && max_edges >= 2,
+    plan.add(step_light_paths, scene.has_light() && max_edges >= 2,
              scene.has_light() ? "a path from a light over a surface has two edges, more than max_depth allows"
                                : "nothing emits light");
-    const bool follows = plan.runs(pass_light_paths);
-    plan.add(pass_light_aim, follows && plan.called_for.has(Effect::caustics),
+    const bool follows = plan.runs(step_light_paths);
+    plan.add(step_light_aim, follows && plan.called_for.has(Effect::caustics),
              follows ? "no light reaches a diffuse surface by way of a specular one" : "no light paths are followed");
 }
 

@@ -6,9 +6,9 @@
 
 namespace gib {
 
-inline constexpr std::string_view pass_light_paths = "light paths";
-inline constexpr std::string_view pass_light_aim = "projection map of the light paths";
-inline constexpr std::string_view pass_connections = "connections";
+inline constexpr std::string_view step_light_paths = "light paths";
+inline constexpr std::string_view step_light_aim = "projection map of the light paths";
+inline constexpr std::string_view step_connections = "connections";
 
 /// The light paths of a scene's pass: as many as pixels.
 struct LightPaths {

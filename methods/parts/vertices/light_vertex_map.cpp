@@ -34,16 +34,16 @@ Color merged_power(const PathVertex& vertex) {
 /// One merge: sums the light of a vertex's neighbours.
 class Merge {
 public:
-    Merge(const PathVertex& eye, const Merging& merging, double power, int max_edges, BiasedSample& sample)
+    Merge(const PathVertex& eye, const MergeRadii& radii, double power, int max_edges, BiasedSample& sample)
         : eye_(eye),
-          merging_(merging),
+          radii_(radii),
           power_(power),
           path_{max_edges - eye.edges, eye.stratum},
           sample_(sample),
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
           transmits_(eye.hit && eye.hit->bsdf->traits().transmission) {}
 
-    float radius() const { return eye_.hit ? merging_.radius : merging_.radius_in_media; }
+    float radius() const { return eye_.hit ? radii_.on_surfaces : radii_.in_media; }
 
     void add(const LightVertex& light, float distance2) {
         if (light.on_surface != eye_.hit.has_value() || !path_.accepts(light)) return;
@@ -78,17 +78,16 @@ private:
                sqr((light.p - eye_.p).dot(normal_)) <= sqr(max_elevation_slope) * distance2;
     }
     double kernel(float distance2, float r) const {
-        return eye_.hit ? kernel_weight(merging_.kernel, distance2, r)
-                        : ball_kernel_weight(merging_.kernel, distance2, r);
+        return eye_.hit ? kernel_weight(radii_.kernel, distance2, r) : ball_kernel_weight(radii_.kernel, distance2, r);
     }
     double narrow_kernel(float distance2) const {
         const float r = narrow_radius * radius();
         return distance2 < sqr(r) ? kernel(distance2, r) : 0;
     }
     double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
-        const double others = eye_.sums.besides_merging(pdf.to_camera) + light.connecting +
-                              light.besides_connecting * squared(pdf.to_light);
-        return 1 / (1 + others / eye_.sums.merging());
+        const double others = eye_.sums.besides_merging(pdf.to_camera) +         // (39) times n^2
+                              light.d_vcm + light.d_vc * squared(pdf.to_light);  // (38) times n^2
+        return 1 / (1 + others / eye_.sums.merging().n2());                      // (37)
     }
     void add_weighted(const LightVertex& light, const LobeValues& f, double density, double narrow, double weight) {
         const Colord arriving = weight * power_ * light.power().cast<double>() * path_.weight(light).cast<double>();
@@ -96,9 +95,7 @@ private:
         const Color bias = (double{bias_of_difference} * (density - narrow) * arriving).cast<float>() * eye_.beta;
         const auto add_class = [&](const Color& lobe, LobeKind kind) {
             if (is_black(lobe)) return;
-            PathClass path = eye_.hit ? eye_.path_class.after(kind) : eye_.path_class;
-            path.in_medium |= !eye_.hit;
-            const Component c = path.followed_by(light.path_class).component();
+            const Component c = eye_.ending_with(kind).followed_by(light.path_class).component();
             sample_.light[c] += lobe * value;
             sample_.bias[c] += lobe * bias;
         };
@@ -107,7 +104,7 @@ private:
     }
 
     const PathVertex& eye_;
-    const Merging& merging_;
+    const MergeRadii& radii_;
     double power_;
     EyePath path_;
     BiasedSample& sample_;
@@ -123,16 +120,17 @@ LightVertex::LightVertex(const PathVertex& vertex)
     : LightVertexData{{merged_power(vertex), vertex.from,
                        vertex.hit ? normal_towards(*vertex.hit, vertex.from) : vertex.from, vertex.edges,
                        vertex.path_class.in_medium, vertex.stratum},
-                      vertex.sums.besides_connecting(),
-                      vertex.sums.connecting(),
+                      vertex.sums.d_vcm(),
+                      vertex.sums.d_vc(),
                       vertex.path_class,
                       vertex.hit.has_value()},
       p(vertex.p) {}
 
-LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, int max_edges, const Techniques& used,
-                               std::uint64_t seed, std::uint64_t& rays)
+LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
+                               std::uint64_t& rays)
     : power_of_path_(paths.power / paths.count) {
-    const int longest = std::min(max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
+    PathRules limited = rules;
+    limited.max_edges = std::min(rules.max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, merged_walks);
     auto blocks =
         blocks_within_memory(static_cast<std::size_t>(paths.count), walks_per_block, &Block::vertices, bytes_per_vertex,
@@ -142,9 +140,10 @@ LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, int 
                                      const Sampler sampler(PointSet::independent, key, i, 0);
                                      const auto start = paths.emission.sample(sampler);
                                      if (!start) continue;
-                                     LightWalk(queries, sampler, longest, paths, used, *start,
+                                     LightWalk(queries, sampler, paths, limited, *start,
                                                [&](const PathVertex& vertex, const VertexNumbers&, NumberStream&) {
-                                                   if (vertex.sums.merges(false)) block.vertices.emplace_back(vertex);
+                                                   if (vertex.sums.merging().applies(false))
+                                                       block.vertices.emplace_back(vertex);
                                                })
                                          .follow();
                                  }
@@ -155,9 +154,9 @@ LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, int 
     vertices_ = KdTree<LightVertex>(joined(blocks, &Block::vertices));
 }
 
-void LightVertexMap::merge(const PathVertex& eye, const Merging& merging, int max_edges, BiasedSample& sample) const {
-    Merge merge(eye, merging, power_of_path_, max_edges, sample);
-    if (vertices_.size() == 0 || !(merge.radius() > 0.f) || !(eye.sums.merging() > 0)) return;
+void LightVertexMap::merge(const PathVertex& eye, const MergeRadii& radii, int max_edges, BiasedSample& sample) const {
+    Merge merge(eye, radii, power_of_path_, max_edges, sample);
+    if (vertices_.size() == 0 || !(merge.radius() > 0.f) || !(eye.sums.merging().n2() > 0)) return;
     vertices_.within(eye.p, merge.radius(),
                      [&](const LightVertex& light, float distance2) { merge.add(light, distance2); });
 }

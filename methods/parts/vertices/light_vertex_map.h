@@ -15,8 +15,7 @@ namespace gib {
 
 /// The data of a light walk's vertex but its position: those of a photon, and what the weights need. 40 bytes.
 struct LightVertexData : PhotonPayload {
-    double besides_connecting = 0;  ///< TechniqueSums: the part that is multiplied by the squared reverse density,
-    double connecting = 0;          ///< and the other part
+    double d_vcm = 0, d_vc = 0;  ///< technique_sums.h
     PathClass path_class;
     bool on_surface = true;
 };
@@ -33,10 +32,10 @@ struct LightVertex : LightVertexData {
 
 extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
 
-/// How vertices are merged in a pass.
-struct Merging {
+/// The radii within which vertices are merged in a pass [scene units].
+struct MergeRadii {
     Kernel kernel;
-    float radius = 0.f, radius_in_media = 0.f;  ///< [scene units]
+    float on_surfaces = 0.f, in_media = 0.f;
 };
 
 /// The vertices of the light walks of one pass.
@@ -45,8 +44,8 @@ public:
     LightVertexMap() = default;
     /// Follows as many light paths as a pass has pixels; adds the rays traced to `rays`. The result is the same for any
     /// number of threads. Throws InputError if the vertices would need more memory than there is.
-    LightVertexMap(const Scene& scene, const LightPaths& paths, int max_edges, const Techniques& used,
-                   std::uint64_t seed, std::uint64_t& rays);
+    LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
+                   std::uint64_t& rays);
 
     const KdTree<LightVertex>& vertices() const { return vertices_; }
 
@@ -54,7 +53,7 @@ public:
     /// most `max_edges` edges. With N light paths of power P, which have been scattered to the vertex from the direction
     /// w_i, radiance is the sum of f(w_i) |cos_s| / |cos_g| P K(d) / N, with the cosines of the shading and the geometric
     /// normal. In a medium the phase function stands for f and the cosines.
-    void merge(const PathVertex& eye, const Merging& merging, int max_edges, BiasedSample& sample) const;
+    void merge(const PathVertex& eye, const MergeRadii& radii, int max_edges, BiasedSample& sample) const;
 
 private:
     KdTree<LightVertex> vertices_;

@@ -10,18 +10,17 @@ namespace gib {
 
 /// Follows a path from a light and calls visit(vertex, numbers, flights) at every vertex where another walk could end,
 /// before the path is scattered there. The powers are in units of the scene's emitted power, so that they keep to the
-/// range of float. The path and one more edge have at most `max_edges` edges.
+/// range of float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
 /// similar power (Jensen 2001, section 5.2).
 template <typename Visit>
 class LightWalk {
 public:
-    LightWalk(RayQueries& rays, const Sampler& sampler, int max_edges, const LightPaths& paths, const Techniques& used,
+    LightWalk(RayQueries& rays, const Sampler& sampler, const LightPaths& paths, const PathRules& rules,
               const LightEmission::Start& start, Visit visit)
         : scene_(rays.scene()),
-          max_edges_(max_edges),
-          used_(used),
+          rules_(rules),
           visit_(std::move(visit)),
           start_(start),
           light_(scene_.lights()[start.sample.light]),
@@ -34,9 +33,9 @@ public:
 
     void follow() {
         // A light sends nothing along its surface, where the density is 0.
-        bool goes_on = max_edges_ >= 2 && !is_black(walk_.at.beta) && start_.density > 0;
+        bool goes_on = rules_.max_edges >= 2 && !is_black(walk_.at.beta) && start_.density > 0;
         if (goes_on) walk_.rays.trace(walk_.ray);
-        while (goes_on && walk_.at.vertex + 1 < max_edges_) {
+        while (goes_on && walk_.at.vertex + 1 < rules_.max_edges) {
             const float before = walk_.at.beta.maxCoeff();
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
@@ -50,8 +49,8 @@ private:
     /// goes on.
     bool scatters_in_medium(const Vec3& p, float before, const VertexNumbers& u) {
         PathState& path = walk_.at;
-        arrive(p, 1, merging_at(used_, *path.medium, p), false);
-        if (used_.only_merging && sums_.is_sampled()) return false;
+        arrive(p, 1, rules_.merging.at(*path.medium, p), false);
+        if (is_made_without_merging()) return false;
         visit_(PathVertex(walk_, p, path_class_, sums_), u, walk_.flights);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
@@ -67,12 +66,12 @@ private:
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
         PathState& path = walk_.at;
-        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, used_.merging_on_surfaces,
-               used_.merging() && focuses(*hit, walk_.wo()));
+        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, rules_.merging.on_surfaces,
+               rules_.merging.any() && focuses(*hit, walk_.wo()));
         walk_.disperse(*hit, dimension::photon_stratum);
         const PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
-            if (used_.only_merging && sums_.is_sampled()) return false;
+            if (is_made_without_merging()) return false;
             visit_(vertex, u, walk_.flights);
         }
 
@@ -88,25 +87,29 @@ private:
         return true;
     }
 
+    /// Whether only paths are wanted that merging alone can make, and another technique makes every path to this vertex.
+    bool is_made_without_merging() const {
+        return rules_.used.only_merging() && ((rules_.used.hits && !is_delta(light_)) || sums_.d_vcm() > 0);
+    }
+
     TechniqueSums at_light(double sampling) const {
-        return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), used_);
+        return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), rules_);
     }
     /// Arrival at a point, whose normal has this cosine with the path.
-    void arrive(const LitPoint& at, double cosine, double merging, bool focuses) {
+    void arrive(const LitPoint& at, double cosine, double n, bool focuses) {
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
         const double distance2 = double{(at.p.cast<float>() - path.previous).squaredNorm()};
-        if (path.vertex > 0) return sums_.arrive(distance2, cosine, used_.connections, merging, focuses);
+        if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.used.connections, n, focuses);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
         const double sampling = double{scene_.light_pdf_w(at, start.light, origin, start.ray.d)};
         sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
-        sums_.arrive(1, cosine, true, merging, focuses);
+        sums_.arrive(1, cosine, true, n, focuses);
     }
 
     const Scene& scene_;
-    int max_edges_;
-    const Techniques& used_;
+    const PathRules& rules_;
     Visit visit_;
     LightEmission::Start start_;
     const Light& light_;

@@ -51,6 +51,15 @@ struct PathVertex {
         const LobeTraits& lobes = hit->bsdf->traits_at(from_local.z());
         return !hit->delta_only && (lobes.diffuse || lobes.glossy);
     }
+    /// The class of the path with this vertex, scattered by a lobe of this kind, as the last one of the camera's walk
+    /// or as the first one that the camera's walk meets of the light's. A medium has no kinds of lobes.
+    PathClass ending_with(LobeKind kind) const { return hit ? path_class.after(kind) : path_in_medium(); }
+    PathClass beginning_with(LobeKind kind) const { return hit ? path_class.preceded_by(kind) : path_in_medium(); }
+    PathClass path_in_medium() const {
+        PathClass path = path_class;
+        path.in_medium = true;
+        return path;
+    }
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
     /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
@@ -115,14 +124,9 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
             double{hit.bsdf->pdf_w_local(light_local, camera_local, Lobes::all, Transport::power)}};
 }
 
-/// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (technique_sums.h).
+/// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
 inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
     return hit.delta_only || !hit.bsdf->traits_at(hit.shading.to_local(wo).z()).diffuse;
-}
-
-/// Techniques' n of a vertex at p in a medium.
-inline double merging_at(const Techniques& used, const Medium& medium, const Vec3& p) {
-    return used.merging_in_media > 0 ? used.merging_in_media * double{medium.scattering_at(p).maxCoeff()} : 0;
 }
 
 /// Scatters the walk in its medium and takes the sums past the event. Returns the direction.

@@ -54,26 +54,6 @@ TEST(PhotonWalkInMedia, StoresTheFluenceOfAWhiteBall) {
     }
 }
 
-// Nothing is absorbed, so all light that is emitted escapes again, in each channel,
-// though the channels are scattered differently.
-TEST(PhotonWalkInMedia, LosesNothingInAWhiteMedium) {
-    const auto scene = scene_of(scene_xml(camera_before(4, 40) + constant_sky + ball(clear_glass, "0.3, 1, 4", 0.3)));
-    std::array<Moments, 3> escaped, lost;
-    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
-        const auto balance = trace_photons(*scene.scene, PhotonMapKind::volume, 20000, unlimited, seed).balance;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto channel = static_cast<int>(c);
-            escaped[c].add(balance.escaped[channel] / balance.emitted[channel]);
-            lost[c].add(balance.lost_in_media[channel] / balance.emitted[channel]);
-        }
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_LT(escaped[c].standard_error(), 0.01);
-        EXPECT_NEAR(escaped[c].mean(), 1, sigmas * escaped[c].standard_error() + 1e-6) << c;
-        EXPECT_NEAR(lost[c].mean(), 0, sigmas * lost[c].standard_error() + 1e-6) << c;
-    }
-}
-
 // The camera stands outside a ball of fog, the lamp in its middle. The medium
 // around the lamp is found from the camera.
 TEST(PhotonWalkInMedia, StartsInTheMediumOfTheLight) {

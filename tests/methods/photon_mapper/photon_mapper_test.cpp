@@ -62,7 +62,7 @@ TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
     EXPECT_TRUE(glass.runs("caustic map"));
     EXPECT_TRUE(glass.runs("specular paths"));
     for (const auto& step : box.steps)
-        EXPECT_NE(step.runs, !step.reason.empty()) << step.pass;
+        EXPECT_NE(step.runs, !step.reason.empty()) << step.name;
 }
 
 // Every path class is counted once. Emission, direct, caustic and indirect light each agree with the

@@ -1,8 +1,8 @@
 // Shadow photons: their verdicts on lights against exact visibility, and direct light
 // sampled with them against plain direct light.
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
-#include "methods/photon_mapper/light_visibility.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 #include "methods/photon_mapper/photon_mapper.h"
 #include "tests/support/seed_means.h"
 
@@ -129,7 +129,7 @@ struct Agreement {
 /// Compares the verdicts on point lights with shadow rays, at points of the floor.
 Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) {
     const gib::Scene& scene = *loaded.scene;
-    const ShadowPhotonSettings settings{photons, Shadows::both, 32};
+    const ShadowPhotonSettings settings{photons, Shadows::skip, 32};
     const LightVisibility map(scene, trace_shadow_photons(scene, photons, 1).photons, settings);
     RayQueries rays(scene);
     int wrong = 0, open = 0, all = 0;
@@ -167,11 +167,11 @@ TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
 }
 
 // The share of numbers u that lead to a light is the probability that the estimator divides by. Every light has a
-// positive one with Shadows::skip and Shadows::guide.
+// positive one.
 TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
     const auto loaded = floor_scene(blocker(0.6, diffuse(0.5)) + lamps);
     const gib::Scene& scene = *loaded.scene;
-    for (const Shadows use : {Shadows::skip, Shadows::guide, Shadows::both}) {
+    for (const Shadows use : {Shadows::skip, Shadows::guide}) {
         const ShadowPhotonSettings settings{20000, use, 32};
         const LightVisibility map(scene, trace_shadow_photons(scene, settings.photons, 1).photons, settings);
         constexpr int steps = 1 << 14;
@@ -189,9 +189,7 @@ TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
             for (std::uint32_t light = 0; light < chosen.size(); ++light) {
                 const double probability = static_cast<double>(map.probability(hit, wo, light));
                 EXPECT_NEAR(chosen[light], steps * probability, 2.5) << light;
-                if (use != Shadows::both) {
-                    EXPECT_GT(probability, 0) << light;
-                }
+                EXPECT_GT(probability, 0) << light;
             }
         }
     }
@@ -222,9 +220,9 @@ TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
 // A blocker hides every lamp. The shadow photons report this, so no shadow ray is traced and the image is black.
 TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
     const auto scene = floor_scene(blocker(40, diffuse(0.5)) + lamps);
-    const DirectLight both = direct_of(scene, label("both", "1e5"), 4);
-    EXPECT_EQ(mean_of(both.direct).maxCoeff(), 0);
-    EXPECT_EQ(both.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
+    const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
+    EXPECT_EQ(mean_of(skipped.direct).maxCoeff(), 0);
+    EXPECT_EQ(skipped.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
 }
 
 /// Root of the mean squared bias, relative to the root mean square of the light. The squared bias of a pixel and
@@ -255,7 +253,7 @@ TEST(ShadowPhotons, BiasOfSkippingShrinksWithTheirNumber) {
     const Image truth = direct_of(scene, label("guide", "1e5"), 1 << 14, 99).direct;
     double before = infinity;
     for (const char* photons : {"1e3", "1e4", "1e5"}) {
-        const double bias = relative_bias(scene, label("both", photons, "shadow_k=4"), truth);
+        const double bias = relative_bias(scene, label("skip", photons, "shadow_k=4"), truth);
         std::cout << photons << " photons: bias " << bias << '\n';
         EXPECT_LT(bias, 0.6 * before);
         before = bias;
@@ -268,14 +266,13 @@ TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
     const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 500000, 1).rays;
     std::map<std::string, std::uint64_t> shadow_rays;
     shadow_rays["rays"] = direct_of(scene, "photon_mapper photons=0", 4).counts.rays - 32 * 24 * 4;
-    for (const char* use : {"skip", "guide", "both"}) {
+    for (const char* use : {"skip", "guide"}) {
         const std::uint64_t rays = direct_of(scene, label(use, "5e5"), 4).counts.rays;
         shadow_rays[use] = rays - 32 * 24 * 4 - photon_rays;
     }
     std::cout << "shadow rays: " << shadow_rays["rays"] << ", skip " << shadow_rays["skip"] << ", guide "
-              << shadow_rays["guide"] << ", both " << shadow_rays["both"] << '\n';
+              << shadow_rays["guide"] << '\n';
     EXPECT_LT(shadow_rays["skip"], shadow_rays["rays"] / 4);
-    EXPECT_LT(shadow_rays["both"], 0.85 * static_cast<double>(shadow_rays["guide"]));
 }
 
 // A mask lets half of the light through its holes, so its photons can say neither lit nor dark.
@@ -284,7 +281,7 @@ TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
     const auto holes = floor_scene(blocker(40, mask) + lamps);
     const auto open = floor_scene(blocker(40, bsdf("null")) + lamps);
     const auto whole = means_of(floor_scene(lamps), "path", 128);
-    for (const char* use : {"skip", "guide", "both"}) {
+    for (const char* use : {"skip", "guide"}) {
         SCOPED_TRACE(use);
         auto half = means_of(holes, label(use, "1e5"), 128);
         for (std::size_t c = 0; c < 3; ++c)
@@ -296,7 +293,7 @@ TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
 // Light through glass is a caustic, so every photon behind glass is a shadow photon.
 TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
     const auto scene = shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
-    for (const char* use : {"skip", "guide", "both"})
+    for (const char* use : {"skip", "guide"})
         EXPECT_EQ(mean_of(direct_of(scene, label(use, "1e4"), 4).direct).maxCoeff(), 0) << use;
 }
 
@@ -315,7 +312,7 @@ TEST(ShadowPhotons, EveryKindOfLightIsRight) {
         emitter("directional", vector("direction", 0.3, 0.4, -1), rgb("irradiance", "1,1,0.5")) +
         constant_light("0.2,0.3,0.5"));
     const auto expected = means_of(scene, "path", 512);
-    for (const auto& [use, bias] : {std::pair{"guide", 0.0}, std::pair{"skip", 0.003}, std::pair{"both", 0.003}}) {
+    for (const auto& [use, bias] : {std::pair{"guide", 0.0}, std::pair{"skip", 0.003}}) {
         SCOPED_TRACE(use);
         expect_equal_means(means_of(scene, label(use, "2e5"), 256), expected, bias);
     }
@@ -323,7 +320,7 @@ TEST(ShadowPhotons, EveryKindOfLightIsRight) {
 
 TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
     const auto scene = shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
-    for (const char* use : {"skip", "guide", "both"}) {
+    for (const char* use : {"skip", "guide"}) {
         // The photons are so many that regions are built in parallel.
         const std::string text = label(use, "1e5");
         const Image one = *render(scene, text, 1, 1, 1)[Component::direct];
@@ -336,13 +333,13 @@ TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
     const auto reason_of = [](const char* file, const std::string& text) {
         const Plan plan = ConfiguredMethod(MethodLabel::parse(text)).create({})->plan(*shipped_scene(file).scene);
         for (const auto& step : plan.steps)
-            if (step.pass == pass_shadow_map) return step.runs ? std::string("runs") : step.reason;
+            if (step.name == step_shadow_map) return step.runs ? std::string("runs") : step.reason;
         return std::string();
     };
     EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper shadow_photons=1e4"), "runs");
     EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper"), "no photons are asked for");
-    EXPECT_EQ(reason_of("many-lights.xml", label("both", "1e4", "max_depth=1")), "lights are not sampled");
-    EXPECT_EQ(reason_of("fog.xml", label("both", "1e4")), "media dim light on its way, which only rays can tell");
+    EXPECT_EQ(reason_of("many-lights.xml", label("guide", "1e4", "max_depth=1")), "lights are not sampled");
+    EXPECT_EQ(reason_of("fog.xml", label("guide", "1e4")), "media dim light on its way, which only rays can tell");
 }
 
 }  // namespace

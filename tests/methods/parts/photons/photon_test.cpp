@@ -6,7 +6,9 @@
 #include "common/core/parallel.h"
 #include "common/sampling/warp.h"
 #include "methods/parts/photons/photon_walk.h"
+#include "tests/support/moments.h"
 #include "tests/support/scene_fixtures.h"
+#include "tests/support/scene_text.h"
 
 #include <limits>
 
@@ -118,29 +120,32 @@ TEST(Photon, ExtremePowersHaveADefinedResult) {
 
 constexpr int unlimited = std::numeric_limits<int>::max();
 
-/// Expects that in each channel the emitted power is absorbed or escapes, within 3
-/// standard errors of the photons' own scatter.
-void expect_balance(const LoadedScene& scene, bool closed) {
-    const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, unlimited, 3);
-    const PowerBalance& b = walk.balance;
-    const Colord truth = scene.scene->emitted_power();
-    for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(b.emitted[c], truth[c], 1e-4 * truth[c]) << c;
-        const double residual = b.emitted[c] - b.absorbed[c] - b.escaped[c];
-        EXPECT_LE(std::abs(residual), 3 * std::sqrt(b.squared_residuals[c])) << c;
-        EXPECT_GT(b.squared_residuals[c], 0) << c;
-        if (closed) EXPECT_EQ(b.escaped[c], 0) << c;
-        else EXPECT_GT(b.escaped[c], 0.05 * truth[c]) << c;
+// In a closed room only the walls absorb light, because glass and a medium of albedo 1 lose none. A photon that is stored on
+// a wall of reflectance rho leaves the share 1 - rho of its power there, so all photons together leave what the light
+// emits, in each channel. Five standard errors: all six comparisons fail by chance with a probability of 1e-3.
+TEST(PhotonWalk, WallsAbsorbWhatTheLightEmits) {
+    const std::string fog = "<medium name='interior' type='homogeneous'>" + rgb("sigma_s", "0.3, 1, 4") + "</medium>";
+    for (const std::string& inside : {std::string(), fog}) {
+        const auto room = Scene(element("sensor", "perspective", box_film(4)),
+                                shape("cube", flag("flip_normals"), diffuse("0.8, 0.5, 0.2")),
+                                shape("sphere", center(-0.4, 0, 0), radius(0.4), bsdf("dielectric"), inside),
+                                point_light(0.5, 0, 0.3, 1))
+                              .load();
+        const Colord rho(0.8, 0.5, 0.2), emitted = room.scene->emitted_power();
+        std::array<Moments, 3> absorbed;
+        for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+            const auto walk = trace_photons(*room.scene, PhotonMapKind::full, 20000, unlimited, seed);
+            Colord sum = Colord::Zero();
+            for (const auto& photon : walk.photons)
+                sum += walk.unit * photon.power().cast<double>() * (1 - rho);
+            for (Eigen::Index c = 0; c < 3; ++c)
+                absorbed[static_cast<std::size_t>(c)].add(sum[c] / emitted[c]);
+        }
+        for (const Moments& of_channel : absorbed) {
+            EXPECT_LT(of_channel.standard_error(), 0.005) << "the test would not see an error";
+            EXPECT_NEAR(of_channel.mean(), 1, 5 * of_channel.standard_error()) << inside;
+        }
     }
-}
-
-TEST(PhotonWalk, PowerIsConservedInTheOpenBox) {
-    expect_balance(shipped_scene("cornell-box.xml"), false);
-    expect_balance(shipped_scene("cornell-glass.xml"), false);
-}
-
-TEST(PhotonWalk, PowerIsConservedInTheClosedBox) {
-    expect_balance(shipped_scene("furnace.xml", {{{"rho", "0.9"}, {"emission", "0.1"}}, {}}), true);
 }
 
 // In the furnace every point receives the irradiance pi L = pi emission / (1 - rho). Direct light is
@@ -180,8 +185,6 @@ TEST(PhotonWalk, FaintLightLosesNoPower) {
     // paths differ: with albedo 1/2 a photon is stored a geometric number of times, with the relative variance 1 /
     // albedo. It is 4 standard deviations of the ratio of two sums.
     EXPECT_NEAR(stored(faint) / (1e-44 * stored(bright)), 1, 4 * std::sqrt(2 / (0.5 * photons)));
-    for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(faint.balance.emitted[c] / (1e-44 * bright.balance.emitted[c]), 1, 1e-6) << c;
 }
 
 // Photons leave a diffuse wall cosine-weighted. At the opposite wall, the mean cosine of the stored directions is
@@ -248,7 +251,6 @@ TEST(PhotonWalk, PhotonsAreTheSameForAnyNumberOfThreads) {
         ASSERT_EQ(one.photons.size(), many.photons.size());
         for (std::size_t i = 0; i < one.photons.size(); ++i)
             ASSERT_EQ(one.photons[i].p, many.photons[i].p);
-        EXPECT_EQ(one.balance.absorbed[0], many.balance.absorbed[0]);
         EXPECT_EQ(one.rays, many.rays);
     }
 }

@@ -413,7 +413,7 @@ TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
     const auto step_of = [](const LoadedScene& scene, const std::string& pass, const std::string& projection) {
         const MethodLabel label{"photon_mapper", {{"projection", projection}}};
         for (const auto& step : ConfiguredMethod(label).create({})->plan(*scene.scene).steps)
-            if (step.pass == "projection map of the " + pass + " map") return step.runs ? "runs" : step.reason;
+            if (step.name == "projection map of the " + pass + " map") return step.runs ? "runs" : step.reason;
         return std::string("no such step");
     };
     const auto glass = shipped_scene("cornell-glass.xml");

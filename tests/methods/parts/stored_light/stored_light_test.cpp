@@ -17,7 +17,7 @@ StoredLight stored_after(const LoadedScene& scene, const std::string& label, std
     const auto run = method.create({scene.max_edges})->start(*scene.scene, 1, stages);
     for (std::uint32_t pass = 0; pass < passes; ++pass)
         run->advance(pass);
-    return dynamic_cast<const HoldsStoredLight&>(*run).stored_light();
+    return run->stored_light();
 }
 
 /// Positions in an order of their own, because a map has another order than the walk that filled it.
@@ -36,18 +36,13 @@ double power_of(const StoredPhotons& stored) {
     return sum;
 }
 
-TEST(StoredLight, IsHeldByTheRunsOfTheMethodsThatAreListed) {
-    const auto scene =
-        Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.5)), point_light(0, 0, 1, 1))
-            .load();
+TEST(StoredLight, IsThatOfTheMethodsWhoseDescriptionsSaySo) {
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{4, 4}});
     for (const MethodDescription& method : method_registry()) {
-        if (method.name == "photon_mapper") continue;  // its default number of photons is large; it is tested below
-        StageTimes stages;
-        const auto run =
-            ConfiguredMethod(MethodLabel{method.name, {}}).create({scene.max_edges})->start(*scene.scene, 1, stages);
-        EXPECT_EQ(dynamic_cast<const HoldsStoredLight*>(run.get()) != nullptr,
-                  std::count(methods_that_store_light.begin(), methods_that_store_light.end(), method.name) == 1)
-            << method.name;
+        const bool has_photons = std::any_of(method.parameters.begin(), method.parameters.end(),
+                                             [](const Parameter& p) { return p.name == "photons"; });
+        const StoredLight stored = stored_after(box, method.name + (has_photons ? " photons=1000" : ""), 1);
+        EXPECT_EQ(!stored.empty(), method.stores_light) << method.name;
     }
 }
 

@@ -24,7 +24,7 @@ struct WholePath {
 };
 
 /// p_s^2 over the sum of p_j^2, merging included, by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths, const Techniques& used,
+std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths, const PathRules& rules,
                                const WholePath& path) {
     const auto& x = path.inner;
     const std::size_t n = x.size();
@@ -81,8 +81,8 @@ std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths,
     for (std::size_t i = 1; i <= n; ++i) {
         const PathVertex& at = x[i - 1];
         const bool follows_focus = i > 1 && x[i - 2].hit && focuses(*x[i - 2].hit, x[i - 2].from);
-        if (!used.merging_everywhere && !follows_focus) continue;
-        double density = at.hit ? used.merging_on_surfaces : merging_at(used, *at.medium, at.p);
+        if (rules.used.merges != Merges::everywhere && !follows_focus) continue;
+        double density = at.hit ? rules.merging.on_surfaces : rules.merging.at(*at.medium, at.p);
         for (std::size_t j = 1; j <= i; ++j)
             density *= forward[j];
         for (std::size_t j = i; j <= n; ++j)
@@ -94,9 +94,10 @@ std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths,
     return p;
 }
 
-void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
+void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeDensities& merging = {}) {
     const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
+    const PathRules rules{longest, {.merges = merges}, merging};
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
     StageTimes stages;
@@ -106,7 +107,7 @@ void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
     // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
     // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
-        const double expected = weights_of(scene, paths, all, path)[s];
+        const double expected = weights_of(scene, paths, rules, path)[s];
         EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
@@ -116,7 +117,7 @@ void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
         if (!start) continue;
         std::vector<PathVertex> from_light, from_camera;
         LightWalk(
-            rays, light_sampler, longest, paths, all, *start,
+            rays, light_sampler, paths, rules, *start,
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_light.push_back(vertex);
                 const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
@@ -131,7 +132,7 @@ void expect_weights(const LoadedScene& loaded, const Techniques& all = {}) {
         rays.trace(eye);
         PixelSample lost;
         CameraWalk(
-            rays, eye, sampler, longest, paths, all, lost, [](const FoundLight&) {},
+            rays, eye, sampler, paths, rules, lost, [](const FoundLight&) {},
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
@@ -162,10 +163,10 @@ TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(r
 TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room({.light = lamp, .more = fog})); }
 // The mirror and the ball have no diffuse lobe, so photons are merged at the vertices that follow on them.
 TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
-    for (const bool everywhere : {false, true})
+    for (const Merges merges : {Merges::behind_focus, Merges::everywhere})
         for (const LoadedScene& scene :
              {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point}), room({.light = sky})})
-            expect_weights(scene, {.merging_on_surfaces = 3, .merging_in_media = 2, .merging_everywhere = everywhere});
+            expect_weights(scene, merges, {.on_surfaces = 3, .in_media = 2});
 }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));

@@ -6,7 +6,7 @@
 #include "methods/parts/density/biased_film.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "methods/parts/gathering/cached_gather.h"
-#include "methods/photon_mapper/light_visibility.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 
 namespace gib {
 
@@ -20,9 +20,10 @@ struct PhotonMaps {
     std::optional<LightVisibility> light_visibility;
 };
 
-/// The last look-ups of one block of pixels.
-struct LastLookUps {
-    LastLookUp caustic, global;
+/// The present pixel of a block of pixels, and the last look-ups of the block.
+struct PixelBlock {
+    std::size_t pixel = 0;
+    LastLookUp caustic = {}, global = {};
 };
 
 /// The eye pass over one block of pixels. Maps and settings must outlive it.
@@ -43,7 +44,7 @@ public:
 private:
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
-    LastLookUps last_;
+    PixelBlock block_;
 };
 
 }  // namespace gib

@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/visibility_regions.h"
+#include "methods/parts/shadow_photons/visibility_regions.h"
 
 #include "common/core/parallel.h"
 

@@ -1,14 +1,10 @@
-#include "methods/bidirectional/joined_paths.h"
+#include "methods/parts/vertices/joined_paths.h"
 
 #include "common/images/splat_film.h"
 #include "common/scene/scene.h"
-#include "methods/parts/density/biased_film.h"
-#include "methods/parts/density/first_radius.h"
-#include "methods/parts/density/shrinking_radius.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/light_vertex_map.h"
 #include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/technique_pyramid.h"
 
@@ -19,22 +15,21 @@ namespace {
 /// The data of one pass, which the estimates of all pixels share.
 struct PassOfPaths {
     const LightPaths& paths;
-    JoinedPathsSettings settings;
-    std::uint32_t pass = 0;
+    PathRules rules;
     SplatFilm& splats;
-    TechniquePyramid* pyramid = nullptr;  ///< null: no images of techniques are kept
-    LightVertexMap map = {};
-    Merging merging = {};
+    std::uint32_t pass = 0;
+    TechniquePyramid* pyramid = nullptr;     ///< null: no images of techniques are kept
+    const MergedVertices* merged = nullptr;  ///< null: nothing is merged
 };
 
 /// The estimate of one pixel's sample, which also adds the light paths that reach the camera to the film of splats.
 class JoinedPathsEstimate {
 public:
-    explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.settings.used) {}
+    explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
 
     BiasedSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
         light_vertices_.clear();
-        if ((used_.camera || used_.connections) && !used_.only_merging) follow_light(rays, sampler);
+        if ((used_.camera || used_.connections) && !used_.only_merging()) follow_light(rays, sampler);
 
         BiasedSample sample;
         const auto add = [&](int s, int t, const std::optional<Connection>& path) {
@@ -42,21 +37,20 @@ public:
             add_weighted(*path, sample.light);
             if (pass_.pyramid) pass_.pyramid->add(s, t, pixel, *path, 1);
         };
-        const int max_edges = pass_.settings.max_edges;
         CameraWalk(
-            rays, eye, sampler, max_edges, pass_.paths, used_, sample.light,
+            rays, eye, sampler, pass_.paths, pass_.rules, sample.light,
             [&](const FoundLight& light) {
                 Connection path{.light = {}, .weight = light.weight};
                 path.light[light.path_class.component()] = light.radiance;
                 add(0, light.edges + 1, path);
             },
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (used_.merging()) pass_.map.merge(vertex, pass_.merging, max_edges, sample);
-                if (used_.only_merging) return;
+                if (pass_.merged) pass_.merged->merge(vertex, pass_.rules, sample);
+                if (used_.only_merging()) return;
                 if (used_.light_sampling)
-                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, u, flights, used_));
+                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));
                 for (const PathVertex& from_light : light_vertices_)
-                    if (vertex.edges + 1 + from_light.edges <= max_edges)
+                    if (vertex.edges + 1 + from_light.edges <= pass_.rules.max_edges)
                         add(from_light.edges + 1, vertex.edges + 1,
                             connect(rays, vertex, from_light, pass_.paths, flights));
             })
@@ -72,7 +66,7 @@ private:
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         const auto start = pass_.paths.emission.sample(light_sampler);
         if (!start) return;
-        LightWalk(rays, light_sampler, pass_.settings.max_edges, pass_.paths, used_, *start,
+        LightWalk(rays, light_sampler, pass_.paths, pass_.rules, *start,
                   [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
                       if (used_.camera)
                           splat(connect_to_camera(rays, vertex, pass_.paths, pass_.splats,
@@ -107,18 +101,22 @@ public:
         : scene_(scene),
           seed_(seed),
           stages_(stages),
-          runs_(plan.runs(pass_eye_paths)),
-          follows_specular_(plan.called_for.has(Effect::specular_reflection) ||
-                            plan.called_for.has(Effect::refraction)),
+          points_(settings.points),
+          runs_(plan.runs(step_eye_paths)),
           paths_(scene, plan, stages),
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
           splats_(width(), height(), shown.accumulated, paths_.sum_unit),
-          pass_{.paths = paths_, .settings = settings, .splats = splats_},
-          shrinking_(settings.merging ? settings.merging->alpha : 1) {
+          pass_{.paths = paths_, .rules = {settings.max_edges, settings.used}, .splats = splats_} {
         if (settings.shows_techniques) {
             pyramid_ = std::make_unique<TechniquePyramid>(width(), height(), paths_.sum_unit / paths_.count);
             pass_.pyramid = pyramid_.get();
+        }
+        if (settings.merging) {
+            const bool is_specular =
+                plan.called_for.has(Effect::specular_reflection) || plan.called_for.has(Effect::refraction);
+            merged_.emplace(scene, paths_, *settings.merging, is_specular, seed);
+            pass_.merged = &*merged_;
         }
     }
 
@@ -126,8 +124,11 @@ public:
         passes_ = pass + 1;
         if (!runs_) return Progress::converged;
         pass_.pass = pass;
-        if (pass_.settings.merging) prepare_merging(combine_keys(seed_, pass));
-        rays_ += sample_pixels(scene_, film_, pass_.settings.points, seed_, pass, stages_, pass_eye_paths,
+        if (merged_) {
+            const auto timer = stages_.time(step_merging);
+            merged_->start_pass(pass, pass_.rules, rays_);
+        }
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths,
                                [this] { return JoinedPathsEstimate(pass_); });
         return Progress::more;
     }
@@ -139,83 +140,32 @@ public:
         return images;
     }
     RunCounts counts() const override {
-        RunCounts counts{.photons = photons_, .rays = rays_, .non_finite = film_.non_finite()};
+        RunCounts counts{
+            .photons = merged_ ? merged_->light_paths() : 0, .rays = rays_, .non_finite = film_.non_finite()};
         counts.non_finite = counts.non_finite + splats_.non_finite();
         return counts;
     }
 
-    /// The radii of the first pass [scene diagonals].
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        if (!pass_.settings.merging) return {};
-        return {radius_fact("radius", first_radius_, scene_),
-                radius_fact("volume_radius", first_radius_in_media_, scene_)};
+        return merged_ ? merged_->facts() : std::vector<std::pair<std::string, std::string>>{};
     }
 
 private:
     int width() const { return scene_.sensor().width(); }
     int height() const { return scene_.sensor().height(); }
 
-    /// Follows the light paths of a pass. Its radius is part of their weights, so those of a pilot, from which the
-    /// first radius is found, are followed beforehand.
-    void prepare_merging(std::uint64_t seed) {
-        const auto timer = stages_.time(pass_merging);
-        const MergingSettings& merging = *pass_.settings.merging;
-        if (passes_ == 1) {
-            first_radius_ = merging.radius * double{scene_.diagonal()};
-            first_radius_in_media_ = merging.radius_in_media * double{scene_.diagonal()};
-            if (!(merging.radius > 0 && merging.radius_in_media > 0)) find_first_radii(seed);
-        }
-        set_radii();
-        pass_.map = LightVertexMap();  // gives its memory back
-        pass_.map = LightVertexMap(scene_, paths_, pass_.settings.max_edges, pass_.settings.used, seed, rays_);
-        photons_ += static_cast<std::uint64_t>(paths_.count);
-    }
-
-    void set_radii() {
-        const std::uint64_t passes_before = pass_.settings.merging->first_pass + pass_.pass;
-        const double r = first_radius_ * shrinking_.on_surfaces(passes_before);
-        const double in_media = first_radius_in_media_ * shrinking_.in_media(passes_before);
-        pass_.merging = {pass_.settings.merging->kernel, static_cast<float>(r), static_cast<float>(in_media)};
-        Techniques& used = pass_.settings.used;
-        used.merging_on_surfaces = paths_.count * std::numbers::pi * sqr(r);
-        used.merging_in_media = paths_.count * 4 / 3 * std::numbers::pi * sqr(in_media) * in_media;
-    }
-
-    void find_first_radii(std::uint64_t seed) {
-        pass_.settings.used.merging_on_surfaces = pass_.settings.used.merging_in_media = 1;
-        const std::uint64_t passes = pilot_passes(paths_.count);
-        std::vector<LightVertex> vertices;
-        for (std::uint64_t pass = 0; pass < passes; ++pass) {
-            const LightVertexMap map(scene_, paths_, pass_.settings.max_edges, pass_.settings.used,
-                                     combine_keys(seed, pass), rays_);
-            for (std::size_t i = 0; i < map.vertices().size(); ++i)
-                vertices.push_back(map.vertices()[i]);
-        }
-        const KdTree<LightVertex> tree(vertices);
-        const WalkSettings walk{pass_.settings.max_edges, false, follows_specular_};
-        const SeenPlaces seen = seen_places(scene_, walk, seed_, rays_);
-        const auto radius = [&](const std::vector<Vec3>& places, bool on_surfaces) {
-            return first_radius(tree, static_cast<double>(passes), places, most_merged, on_surfaces ? 2 : 3,
-                                scene_.diagonal(), [&](const LightVertex& vertex) {
-                                    return vertex.on_surface == on_surfaces ? double{vertex.power().mean()} : 0;
-                                });
-        };
-        if (!(first_radius_ > 0)) first_radius_ = radius(seen.on_surfaces, true);
-        if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(seen.in_media, false);
-    }
-
     const Scene& scene_;
     std::uint64_t seed_;
     StageTimes& stages_;
-    bool runs_, follows_specular_;
+    PointSet points_;
+    bool runs_;
     LightPaths paths_;
     BiasedFilm film_;
     SplatFilm splats_;
     PassOfPaths pass_;
-    ShrinkingRadius shrinking_;
     std::unique_ptr<TechniquePyramid> pyramid_;
-    double first_radius_ = 0, first_radius_in_media_ = 0;  ///< [scene units]
-    std::uint64_t photons_ = 0, rays_ = 0;
+    std::optional<MergedVertices> merged_;
+    std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;
 };
 
@@ -226,7 +176,7 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
     add_light_paths(plan, scene, settings.max_edges);
     add_eye_paths(plan, scene, settings.max_edges);
     add_light_sampling(plan, settings.max_edges);
-    plan.add(std::string(pass_connections), used.connections && settings.max_edges >= 3,
+    plan.add(std::string(step_connections), used.connections && settings.max_edges >= 3,
              used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
                               : "connections are turned off");
 }
@@ -234,7 +184,7 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
                                         const ShownComponents& shown, std::uint64_t seed, StageTimes& stages) {
     JoinedPathsSettings needed = settings;
-    needed.used.light_sampling &= plan.runs(pass_light_sampling);
+    needed.used.light_sampling &= plan.runs(step_light_sampling);
     return std::make_unique<JoinedPathsRun>(scene, needed, plan, shown, seed, stages);
 }
 

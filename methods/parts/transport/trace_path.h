@@ -1,5 +1,5 @@
 #pragma once
-// The estimator of the path tracer, which stands apart from its Run so that a benchmark can replay its rays.
+// The estimator of path tracing. Source: Kajiya 1986, "The Rendering Equation".
 
 #include "common/images/film.h"
 #include "common/sampling/sampler.h"

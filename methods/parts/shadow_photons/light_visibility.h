@@ -17,20 +17,18 @@
 // the visibility V.
 //  - guide: a ray finds V. The estimate is unbiased whatever the photons say, as P(l) > 0
 //    for every light that shines.
-//  - skip, both: V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region see the share
-//    v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and then (1 - v)
-//    E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of the two has
-//    a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of shadows; a
-//    larger `agreeing` makes it rarer.
-//  - skip: P(l) = P_scene(l).
-//  - both: w_l is 0 for a dark light, and `rest` is at least 1 %, or 0 where every light has photons.
+//  - skip: P(l) = P_scene(l), and V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region
+//    see the share v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and
+//    then (1 - v) E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of
+//    the two has a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of
+//    shadows; a larger `agreeing` makes it rarer.
 //
 // Surfaces are told apart by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
 // than 8 photons for each light share one tree, in which all lights stay open.
 
 #include "common/sampling/sampler.h"
+#include "methods/parts/shadow_photons/visibility_regions.h"
 #include "methods/parts/transport/ray_queries.h"
-#include "methods/photon_mapper/visibility_regions.h"
 
 #include <unordered_map>
 
@@ -61,44 +59,14 @@ public:
     Color sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, const VertexNumbers& u) const;
 
 private:
-    /// A light in the list of a region.
-    struct Entry {
-        std::uint32_t light;
-        LightVerdict verdict;
-        float begin;  ///< start of the light's interval of [0, 1) in the region's choice
-        float probability;
-    };
-    struct Region {
-        std::uint32_t first = 0, count = 0;  ///< its interval of entries_
-        float rest = 1.f;                    ///< probability of a choice among all lights
-    };
-    struct Node {
-        float split;
-        std::uint32_t axis;   ///< 0, 1, 2: x, y, z; 3: the node is a leaf
-        std::uint32_t child;  ///< number of the lower child, before the upper one; in a leaf: of its region
-    };
-    static constexpr std::uint32_t leaf = 3, no_region = ~0u, no_root = ~0u;
-
-    void append(const VisibilityRegion& from, std::uint32_t to, double power_per_photon);
-    Region append_lights(const VisibilityRegion& from, double power_per_photon);
-
-    std::uint32_t region_at(const SurfaceHit& hit, const Vec3& wo) const;
-    bool is_dark(std::uint32_t region, std::uint32_t light) const {
-        return (dark_[region * words_ + light / 64] >> (light % 64) & 1) != 0;
-    }
-    const Entry* entry_of(const Region& region, std::uint32_t light) const;
-    LightVerdict verdict_in(std::uint32_t region, std::uint32_t light) const;
-    float probability_in(std::uint32_t region, const LitPoint& at, std::uint32_t light) const;
+    void prepare_choice(VisibilityRegion& region, double power_per_photon) const;
+    const VisibilityRegion* region_at(const SurfaceHit& hit, const Vec3& wo) const;
+    float probability_in(const VisibilityRegion* region, const LitPoint& at, std::uint32_t light) const;
 
     const Scene& scene_;
-    bool skips_, guides_;
-    std::unordered_map<std::uint64_t, std::uint32_t> roots_;  ///< node of a surface's root, by SurfaceSide::key()
-    std::array<std::uint32_t, side_count> shared_roots_;      ///< roots of the small surfaces, by side; or no_root
-    std::vector<Node> nodes_;
-    std::vector<Region> regions_;
-    std::vector<Entry> entries_;       ///< region after region, sorted by light within each
-    std::size_t words_;                ///< words of 64 bits for one bit a light
-    std::vector<std::uint64_t> dark_;  ///< one bit a light, words_ words a region: the light is dark
+    bool skips_;  ///< Shadows::skip; else Shadows::guide
+    std::unordered_map<std::uint64_t, std::unique_ptr<VisibilityRegion>> surfaces_;  ///< by SurfaceSide::key()
+    std::array<std::unique_ptr<VisibilityRegion>, side_count> small_surfaces_;       ///< by side; null: no photon
 };
 
 }  // namespace gib

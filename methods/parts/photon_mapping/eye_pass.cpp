@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/eye_pass.h"
+#include "methods/parts/photon_mapping/eye_pass.h"
 
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/pixel_samples.h"
@@ -31,8 +31,8 @@ public:
     static constexpr bool wants_emission = light != EyeLight::stored;
     static constexpr int splits = 2;
 
-    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, LastLookUps& last)
-        : maps_(maps), settings_(settings), last_(last) {}
+    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, PixelBlock& block)
+        : maps_(maps), settings_(settings), block_(block) {}
 
     const BiasedSample& sample() const { return sample_; }
 
@@ -65,9 +65,10 @@ public:
         if (light != EyeLight::stored && settings_.samples_lights)
             sample_.light[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
         if constexpr (light == EyeLight::straight) return;
-        look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc, last_.caustic);
+        look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc, block_.caustic);
         if (maps_.final_gather) sample_.light[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
-        else look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc, last_.global);
+        else
+            look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc, block_.global);
     }
 
 private:
@@ -87,7 +88,8 @@ private:
 
     /// Indirect light by final gathering, from the irradiance cache where it has records and else by rays.
     Color gathered(const EyeVertex& vertex, const SurfaceHit& hit) {
-        const auto cached = maps_.cache ? maps_.cache->reflected_radiance(vertex, hit) : std::optional<Color>();
+        const auto cached =
+            maps_.cache ? maps_.cache->reflected_radiance(vertex, hit, block_.pixel) : std::optional<Color>();
         return cached ? *cached : maps_.final_gather->reflected_radiance(vertex, hit);
     }
 
@@ -111,14 +113,14 @@ private:
 
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
-    LastLookUps& last_;
+    PixelBlock& block_;
     BiasedSample sample_;
 };
 
 template <EyeLight light>
 BiasedSample sample_of(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
-                       const Sampler& sampler, LastLookUps& last) {
-    EyePathVisitor<light> visitor(maps, settings, last);
+                       const Sampler& sampler, PixelBlock& block) {
+    EyePathVisitor<light> visitor(maps, settings, block);
     follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
     return visitor.sample();
 }
@@ -126,13 +128,14 @@ BiasedSample sample_of(const PhotonMaps& maps, const WalkSettings& settings, Ray
 }  // namespace
 
 BiasedSample EyePass::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-    return sample_of<EyeLight::all>(maps_, settings_, rays, eye, sampler, last_);
+    return sample_of<EyeLight::all>(maps_, settings_, rays, eye, sampler, block_);
 }
 
 PixelSample EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
                                   int direct_samples) {
+    block_.pixel = pixel;
     if (direct_samples == 1) return sample(rays, eye, sampler).light;
-    PixelSample light = sample_of<EyeLight::stored>(maps_, settings_, rays, eye, sampler, last_).light;
+    PixelSample light = sample_of<EyeLight::stored>(maps_, settings_, rays, eye, sampler, block_).light;
     const Sensor& sensor = rays.scene().sensor();
     const auto width = static_cast<std::size_t>(sensor.width());
     const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
@@ -144,7 +147,7 @@ PixelSample EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const 
     const auto ray_of = [&](std::size_t i) { return sensor.sample_ray(x, y, sampler_of(i)); };
     for_each_camera_ray(rays, paths, ray_of, [&](std::size_t i, const TracedRay& ray) {
         const PixelSample straight =
-            sample_of<EyeLight::straight>(maps_, settings_, rays, ray, sampler_of(i), last_).light;
+            sample_of<EyeLight::straight>(maps_, settings_, rays, ray, sampler_of(i), block_).light;
         for (const Component c : {Component::emission, Component::direct})
             light[c] += share * straight[c];
     });

@@ -6,7 +6,7 @@
 // longest axis of its photons. A verdict of a region holds in all its parts, so a light's verdict comes from the
 // largest region in which the photons of the light agree.
 
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
 #include <memory>
 #include <vector>
@@ -32,6 +32,8 @@ struct LightEvidence {
     /// Share of that power which arrives: the mean (n v + 1) / (n + 2) of the posterior for a uniform prior, where v
     /// is the share of the photons' power that arrives. With fewer than 8 photons the larger region's value is used.
     double visible = 0.5;
+    /// The light's interval of [0, 1) in the choice of a light by these photons.
+    float begin = 0.f, probability = 0.f;
 
     /// Irradiance that the light is expected to add in the region, on a scale that is common to all lights.
     double expected() const { return verdict == LightVerdict::lit ? unoccluded : unoccluded * visible; }
@@ -41,6 +43,7 @@ struct LightEvidence {
 struct VisibilityRegion {
     std::vector<LightEvidence> lights;  ///< by light, those with a photon in the root; empty in inner nodes
     double share = 1;                   ///< share of the root's unoccluded power that belongs to this region
+    float rest = 1.f;                   ///< probability of a choice among all lights; in leaves
     float split = 0.f;                  ///< below: p[axis] < split
     std::uint32_t axis = 0;
     std::unique_ptr<VisibilityRegion> below, above;

@@ -1,4 +1,4 @@
-#include "methods/photon_mapper/shadow_photons.h"
+#include "methods/parts/shadow_photons/shadow_photons.h"
 
 #include "common/lights/light_choice.h"
 #include "common/sampling/sampler.h"
@@ -57,8 +57,8 @@ std::vector<Parameter> shadow_photon_parameters() {
     return {
         count_parameter("shadow_photons", "0", "photons", "emitted to learn which lights each surface sees; 0: none"),
         choice_parameter("shadows", strings(shadows_names),
-                         "use of shadow photons: choose lights without bias (guide), leave out shadow rays where they "
-                         "agree (skip), or do both (both)"),
+                         "use of shadow photons: choose lights without bias (guide), or leave out shadow rays where "
+                         "they agree (skip)"),
         integer_parameter("shadow_k", "32", "photons", 1, 1e6,
                           "number of a light's shadow photons that must agree before they are believed"),
     };
@@ -67,9 +67,9 @@ std::vector<Parameter> shadow_photon_parameters() {
 void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings) {
     std::string reason;
     if (settings.photons == 0) reason = "no photons are asked for";
-    else if (!plan.runs(pass_light_sampling)) reason = "lights are not sampled";
+    else if (!plan.runs(step_light_sampling)) reason = "lights are not sampled";
     else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
-    plan.add(pass_shadow_map, reason);
+    plan.add(step_shadow_map, reason);
 }
 
 SurfaceSide::SurfaceSide(const SurfaceHit& hit, const Vec3& wo) : shape(hit.shape), instance(hit.instance) {

@@ -1,0 +1,108 @@
+#include "methods/parts/photon_mapping/photon_maps.h"
+
+#include "common/scene/scene.h"
+
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+constexpr std::string_view step_caustic_aim = "projection map of the caustic map";
+constexpr std::string_view step_global_aim = "projection map of the global map";
+/// Photons for each bin of a projection map: with fewer photons a coarser map pays, as it is built faster.
+constexpr std::uint64_t photons_per_bin = 16;
+constexpr std::uint64_t fewest_bins = 1 << 8, most_bins = 1 << 16;
+
+void add_map(Plan& plan, std::string_view map, std::string why_not, std::uint64_t photons, int max_edges) {
+    if (why_not.empty() && photons == 0) why_not = "no photons are asked for";
+    if (why_not.empty() && max_edges < 3) why_not = "its paths have at least three edges, more than max_depth allows";
+    plan.add(map, std::move(why_not));
+}
+
+/// In a medium without an end a photon may be scattered although its ray meets no surface, so the photons of the global
+/// map are not aimed there. Caustic photons end where a medium scatters them, so those are aimed.
+void add_aim(Plan& plan, std::string_view aim, std::string_view map, bool is_bounded, bool projection) {
+    std::string reason;
+    if (!plan.runs(map)) reason = "its map is not run";
+    else if (!projection) reason = "projection=off";
+    else if (!is_bounded) reason = "light may be scattered in a medium without an end";
+    plan.add(aim, std::move(reason));
+}
+
+/// The projection map; null if the plan does not run it, or if it drops no emission.
+std::unique_ptr<ProjectionMap> build_aim(const Plan& plan, std::string_view aim, const Scene& scene,
+                                         TargetSurfaces surfaces, std::uint64_t photons) {
+    if (!plan.runs(aim)) return nullptr;
+    const std::uint64_t bins = std::clamp(photons / photons_per_bin, fewest_bins, most_bins);
+    auto map = std::make_unique<ProjectionMap>(scene, surfaces, bins);
+    return map->aims() ? std::move(map) : nullptr;
+}
+
+}  // namespace
+
+Parameter disc_area_parameter() {
+    return choice_parameter(
+        "area", strings(disc_area_names),
+        "photons that count and the area they are divided by: those on the surface, by the part of the disc on it "
+        "(surface); those of agreeing normals, by the whole disc (rejected); all within the radius, by the whole disc "
+        "(plain)");
+}
+
+Parameter projection_parameter() {
+    return choice_parameter("projection", {"on", "off"},
+                            "lights emit photons only where these can reach surfaces that matter");
+}
+
+void add_specular_paths(Plan& plan) {
+    plan.add(step_specular, plan.called_for.has(Effect::specular_reflection) || plan.called_for.has(Effect::refraction),
+             "no surface is specular");
+}
+
+void add_caustic_map(Plan& plan, const PhotonMapSettings& settings) {
+    const bool called_for = plan.called_for.has(Effect::caustics);
+    add_map(plan, step_caustic, called_for ? "" : "no light reaches a diffuse surface by way of a specular one",
+            settings.caustic_photons, settings.max_edges);
+}
+
+void add_global_map(Plan& plan, const PhotonMapSettings& settings, const std::string& why_not) {
+    const bool called_for = plan.called_for.has(Effect::diffuse_interreflection);
+    add_map(plan, step_global, why_not.empty() && !called_for ? "no light passes between diffuse surfaces" : why_not,
+            settings.photons, settings.max_edges);
+}
+
+void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
+    const char* why_not = !scene.has_light()              ? "nothing emits light"
+                          : !scene.has_scattering_media() ? "no medium scatters light"
+                                                          : "";
+    add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges);
+}
+
+void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
+    add_aim(plan, step_caustic_aim, step_caustic, true, settings.projection);
+    add_aim(plan, step_global_aim, step_global, !scene.has_unbounded_medium(), settings.projection);
+}
+
+Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& settings, StageTimes& stages) {
+    const auto timer = stages.time("projection map");
+    return {build_aim(plan, step_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
+            build_aim(plan, step_global_aim, scene, TargetSurfaces::all, settings.photons)};
+}
+
+PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,
+                                      std::uint64_t seed) {
+    constexpr std::string_view stage = "photon tracing";
+    const auto timer = stages_.time(stage);
+    StageProgress progress(stages_, stage, count);
+    PhotonWalkResult walk = trace_photons(scene_, kind, count, max_edges_, seed, aim, &progress);
+    rays_ += walk.rays;
+    photons_ += walk.emitted;
+    return walk;
+}
+
+PhotonMap PhotonTracing::map_of(const PhotonWalkResult& walk) {
+    const auto timer = stages_.time("tree build");
+    return PhotonMap(walk.photons, walk.unit);
+}
+
+}  // namespace gib

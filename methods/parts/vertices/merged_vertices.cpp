@@ -1,0 +1,57 @@
+#include "methods/parts/vertices/merged_vertices.h"
+
+#include "methods/parts/density/first_radius.h"
+
+namespace gib {
+
+MergedVertices::MergedVertices(const Scene& scene, const LightPaths& paths, const MergingSettings& settings,
+                               bool follows_specular, std::uint64_t seed)
+    : scene_(scene),
+      paths_(paths),
+      settings_(settings),
+      shrinking_(settings.alpha),
+      follows_specular_(follows_specular),
+      seed_(seed),
+      first_radius_(settings.radius * double{scene.diagonal()}),
+      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}) {}
+
+void MergedVertices::start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays) {
+    const std::uint64_t key = combine_keys(seed_, pass);
+    if (pass == 0 && !(first_radius_ > 0 && first_radius_in_media_ > 0)) find_first_radii(rules, key, rays);
+    const std::uint64_t passes_before = settings_.first_pass + pass;
+    const double r = first_radius_ * shrinking_.on_surfaces(passes_before);
+    const double in_media = first_radius_in_media_ * shrinking_.in_media(passes_before);
+    radii_ = {settings_.kernel, static_cast<float>(r), static_cast<float>(in_media)};
+    rules.merging = {paths_.count * std::numbers::pi * sqr(r),  // (20)
+                     paths_.count * 4 / 3 * std::numbers::pi * sqr(in_media) * in_media};
+    map_ = LightVertexMap();  // gives its memory back
+    map_ = LightVertexMap(scene_, paths_, rules, key, rays);
+    light_paths_ += static_cast<std::uint64_t>(paths_.count);
+}
+
+/// Finds the radii that are not given from the paths of a pilot.
+void MergedVertices::find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays) {
+    rules.merging = {1, 1};
+    const std::uint64_t passes = pilot_passes(paths_.count);
+    std::vector<Photon> on_surfaces, in_media;
+    for (std::uint64_t pass = 0; pass < passes; ++pass) {
+        const LightVertexMap map(scene_, paths_, rules, combine_keys(seed, pass), rays);
+        for (std::size_t i = 0; i < map.vertices().size(); ++i) {
+            const LightVertex vertex = map.vertices()[i];
+            (vertex.on_surface ? on_surfaces : in_media).emplace_back(vertex.p, vertex);
+        }
+    }
+    const SeenPlaces seen = seen_places(scene_, {rules.max_edges, false, follows_specular_}, seed_, rays);
+    const auto radius = [&](const std::vector<Photon>& photons, const std::vector<Vec3>& places, int dimensions) {
+        return first_radius(PhotonMap(photons, 1), static_cast<double>(passes), places, most_merged, dimensions,
+                            scene_.diagonal());
+    };
+    if (!(first_radius_ > 0)) first_radius_ = radius(on_surfaces, seen.on_surfaces, 2);
+    if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(in_media, seen.in_media, 3);
+}
+
+std::vector<std::pair<std::string, std::string>> MergedVertices::facts() const {
+    return {radius_fact("radius", first_radius_, scene_), radius_fact("volume_radius", first_radius_in_media_, scene_)};
+}
+
+}  // namespace gib

@@ -1,0 +1,57 @@
+#pragma once
+// Merging over the passes of a run: the vertices of the light paths of the present pass, and the radii, which shrink from
+// pass to pass.
+
+#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/vertices/light_vertex_map.h"
+
+namespace gib {
+
+/// Vertices that are merged with one in the mean, if the radius of the first pass is found from its paths.
+inline constexpr double most_merged = 2.5;
+
+inline constexpr std::string_view step_merging = "merging";
+
+struct MergingSettings {
+    double alpha;  ///< parts/density/shrinking_radius.h
+    Kernel kernel;
+    double radius;           ///< radius of the first pass [scene diagonals]; 0: found from its light paths
+    double radius_in_media;  ///< the same
+    std::uint64_t first_pass;
+};
+
+class MergedVertices {
+public:
+    /// `follows_specular`: false where no surface is specular. The scene and the paths must outlive this.
+    MergedVertices(const Scene& scene, const LightPaths& paths, const MergingSettings& settings, bool follows_specular,
+                   std::uint64_t seed);
+
+    /// Follows the light paths of a pass; adds the rays traced to `rays`. The densities of merging in the pass are part of
+    /// the paths' weights and are written into `rules` first.
+    void start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays);
+
+    /// Adds the light that the vertex of a camera's walk takes from the vertices around it.
+    void merge(const PathVertex& eye, const PathRules& rules, BiasedSample& sample) const {
+        map_.merge(eye, radii_, rules.max_edges, sample);
+    }
+
+    std::uint64_t light_paths() const { return light_paths_; }  ///< followed in the passes so far
+    /// The radii of the first pass [scene diagonals].
+    std::vector<std::pair<std::string, std::string>> facts() const;
+
+private:
+    void find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays);
+
+    const Scene& scene_;
+    const LightPaths& paths_;
+    MergingSettings settings_;
+    ShrinkingRadius shrinking_;
+    bool follows_specular_;
+    std::uint64_t seed_;
+    double first_radius_, first_radius_in_media_;  ///< [scene units]; 0: not found yet
+    MergeRadii radii_ = {};
+    LightVertexMap map_;
+    std::uint64_t light_paths_ = 0;
+};
+
+}  // namespace gib
