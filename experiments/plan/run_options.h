@@ -1,7 +1,7 @@
 #pragma once
 // The options that the command line of `gibench run` gives.
 
-#include <functional>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,7 +19,13 @@ inline constexpr int default_seeds = 1;
 inline constexpr std::string_view default_tuning_target = "2%";
 inline constexpr double default_tuning_minutes = 20;
 
-struct RepeatPlan;
+/// One of several parts of an experiment, which any machine may run: of the cells in their order, number `index` of each
+/// `count`.
+struct RunShare {
+    std::size_t index = 0, count = 1;
+
+    bool has(std::size_t place) const { return place % count == index; }
+};
 
 struct RunOptions {
     std::string experiment;                  ///< path of the file
@@ -30,10 +36,7 @@ struct RunOptions {
     bool fresh = false;                      ///< whether complete cells are done again
     std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest
-    bool shared = false;                     ///< whether other processes work in the result folder at the same time
-    const RepeatPlan* repeat = nullptr;      ///< plan to run instead of an experiment file; null: none
-    /// Is asked before each cell whether there is time for it; empty: always.
-    std::function<bool()> may_start = {};
+    std::optional<RunShare> share = {};      ///< part that this process runs; none: everything, tables and report too
 };
 
 }  // namespace gib

@@ -10,16 +10,17 @@
 #include "experiments/program/completion.h"
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_files.h"
+#include "experiments/results/result_folder.h"
 #include "experiments/run/repeat.h"
 #include "experiments/slurm/status.h"
 #include "experiments/slurm/submit.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/tuning/tune.h"
-#include "experiments/tuning/tune_experiment.h"
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -91,36 +92,51 @@ std::vector<std::string> words_of(const std::string& text) { return CLI::detail:
 
 /// Who runs the cells of an experiment.
 struct ExecutorOptions {
-    std::string name = "local", sbatch;
+    std::string name = "local";
     SlurmOptions slurm;
+    std::vector<std::string> job;  ///< of run_job(): this process is a job
 };
+
+RunShare share_in(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    const auto index = number_from<std::size_t>(text.substr(0, slash));
+    const auto count = slash == std::string::npos ? std::nullopt : number_from<std::size_t>(text.substr(slash + 1));
+    if (!index || !count || *index >= *count)
+        reject({}, "--share needs I/N with I from 0 to N - 1, such as 0/4, not '{}'", text);
+    return {*index, *count};
+}
 
 void add_executor(CLI::App* command, ExecutorOptions& executor) {
     command->add_option(
         "--on", executor.name,
         "local (default): run in this process; slurm: submit the same work as jobs of Slurm and return; "
         "the same command submits what is missing");
-    command->add_option("--sbatch", executor.sbatch,
+    command->add_option("--sbatch", executor.slurm.sbatch,
                         "with --on slurm: options for sbatch, such as \"--partition=short --time=60\"");
     command
         ->add_option("--tasks", executor.slurm.most_tasks,
                      "with --on slurm: tasks of an array job at most (default 256); each takes an even share of the "
                      "cells")
         ->check(CLI::Range(1, 1000000));
+    command->add_option("--job", executor.job, "internal: does the work of a job of Slurm, see submit.h")
+        ->expected(1, 2)
+        ->group("");
 }
 
 int run_on(ExecutorOptions executor, const RunOptions& options) {
+    executor.slurm.user_options = words_of(executor.slurm.sbatch);
+    if (!executor.job.empty()) return run_job(options, executor.slurm, executor.job, std::cout);
     if (executor.name == "local") {
-        if (!executor.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
+        if (!executor.slurm.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
         if (executor.slurm.most_tasks != SlurmOptions().most_tasks) throw InputError("--tasks is for --on slurm");
         require_no_jobs(options);
         return run_or_tune(options, std::cout);
     }
+    if (options.share) throw InputError("--share is for runs without --on slurm, which makes shares itself");
     if (executor.name != "slurm") reject({}, "--on knows no '{}'; there are: local, slurm", executor.name);
     if (load_tune_file(options.experiment))
         throw InputError({options.experiment},
                          "--on slurm is for experiments without [tune], whose runs follow from each other");
-    executor.slurm.user_options = words_of(executor.sbatch);
     return submit_run(options, executor.slurm, std::cout);
 }
 
@@ -146,6 +162,12 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_flag("--fresh", options->fresh,
                       "delete the measurements of the selected cells and measure them again (references are kept, "
                       "unless the scene's content has changed)");
+    command->add_option_function<std::string>(
+        "--share", [options](const std::string& text) { options->share = share_in(text); },
+        "I/N: run only the cells number I, I + N, I + 2 N, ... of the experiment, counted from 0; N machines that "
+        "share the "
+        "folder of the results, and results/references, run one share each, and the same command without --share then "
+        "makes the tables");
     CLI::Option* repeat = command->add_option(
         "--repeat", *repeated,
         "RESULT_DIR: render every complete cell of these results again, with as many passes as it "
@@ -341,42 +363,51 @@ void add_photons(CLI::App& app, Action& action) {
 }
 
 void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
-    auto options = std::make_shared<TuneOptions>();
-    auto variations = std::make_shared<std::vector<std::string>>();
-    options->command_line = command_line;
+    struct Options {
+        std::string scene;
+        TuneFile file;
+        std::vector<std::string> variations;
+        RunOptions run;
+    };
+    auto options = std::make_shared<Options>();
+    TuneFile& file = options->file;
+    options->run.command_line = command_line;
     CLI::App* command = app.add_subcommand("tune", "search the settings of methods with the least time to an error");
     command->add_option("SCENE", options->scene, scene_help)->required();
-    command->add_option("--target", options->target, "relative RMSE to reach (default 2%)");
+    command->add_option("--target", file.target, "relative RMSE to reach (default 2%)");
     command
-        ->add_option("--method", options->methods,
+        ->add_option("--method", file.methods,
                      "NAME or label of a method, whose given parameters stay; several may be given (default: every "
                      "method)")
         ->take_all()
         ->allow_extra_args(false);
     command
-        ->add_option("--vary", *variations,
+        ->add_option("--vary", options->variations,
                      "PARAMETER=FROM..TO or PARAMETER=A,B: what to search, besides the parameters that declare a span "
                      "(see list methods --parameters)")
         ->take_all()
         ->allow_extra_args(false);
     command
-        ->add_option("--minutes", options->minutes,
+        ->add_option("--minutes", file.minutes,
                      "time for reference, search and final runs (default 20); no run begins later")
         ->check(CLI::PositiveNumber);
-    command->add_option("--epsilon", options->epsilon, epsilon_help);
-    command->add_option("--out", options->out, "folder of the results (default: results/tune-SCENE)");
-    command->add_option("-a", options->folders, "DIR: searched for the scene's files after the scene's own folder")
+    command->add_option("--epsilon", file.head.epsilon, epsilon_help);
+    command->add_option("--out", options->run.out, "folder of the results (default: results/tune-SCENE)");
+    command->add_option("-a", file.head.paths, "DIR: searched for the scene's files after the scene's own folder")
         ->take_all()
         ->allow_extra_args(false);
-    const auto resize = [options](const std::string& text) { options->resolution = resolution_in(text); };
+    const auto resize = [options](const std::string& text) { options->file.head.resolution = resolution_in(text); };
     command->add_option_function<std::string>("--resolution", resize,
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
-    add_threads(command, options->threads);
-    perform_with(options, command, action, [variations](TuneOptions o) {
-        for (const auto& text : *variations)
-            o.variations.push_back(parse_variation(text));
-        o.scene = scene_file(o.scene);
-        return tune(o, std::cout);
+    add_threads(command, options->run.threads);
+    perform_with(options, command, action, [](Options o) {
+        for (const auto& text : o.variations)
+            o.file.variations.push_back({text, {}});
+        ExperimentScene scene;
+        scene.path = scene_file(o.scene);
+        scene.name = std::filesystem::path(scene.path).stem().string();
+        if (!o.run.out) o.run.out = result_folder_of("tune-" + scene.name);
+        return tune(o.file, scene, o.run, std::cout);
     });
 }
 
@@ -390,18 +421,6 @@ void add_internal(CLI::App& app, Action& action, const char* name, const char* s
         measure(file);
         return 0;
     });
-}
-
-/// Adds the internal subcommand that the jobs of Slurm run.
-void add_run_task(CLI::App& app, Action& action) {
-    struct Task {
-        std::string plan, kind;
-    };
-    auto task = std::make_shared<Task>();
-    CLI::App* command = app.add_subcommand("run-task", "internal: does the work of a job, see submit.h")->group("");
-    command->add_option("PLAN", task->plan, "plan of a run")->required();
-    command->add_option("KIND", task->kind, "batches, merge, cells or report")->required();
-    perform_with(task, command, action, [](const Task& t) { return run_task(t.plan, t.kind, std::cout); });
 }
 
 int perform(const Action& action) {
@@ -448,7 +467,6 @@ int run_program(int argc, char** argv) {
     add_completion(app, action);
     add_internal(app, action, "measure-cell", "internal: measures one cell, see cell_process.h", measure_cell);
     add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
-    add_run_task(app, action);
     return perform([&] {
         try {
             app.parse(argc, argv);

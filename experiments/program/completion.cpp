@@ -23,6 +23,7 @@ struct KnownCommands {
 void add_command(const CLI::App& command, const std::string& name, KnownCommands& known) {
     std::vector<std::string> words, options, with_value;
     for (const CLI::Option* option : command.get_options()) {
+        if (option->get_group().empty()) continue;  // internal
         std::vector<std::string> spellings;
         for (const auto& letter : option->get_snames())
             spellings.push_back("-" + letter);

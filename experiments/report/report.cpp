@@ -8,6 +8,7 @@
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
+#include "experiments/report/tuning_section.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
@@ -244,13 +245,15 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
                          {"bias", scale_json(bias_colors())}};
     data page = page_data(analysis);
     add_photon_links(page, whole, folder);
+    add_tuning(folder, page, numbers);
     page["style"] = std::string(embedded_file("report_page/page.css"));
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;
-    page["scripts"] = embedded_scripts(
-        {"chart.js", "report_page/core.js", "report_page/blobs.js", "report_page/charts.js", "report_page/pixels.js",
-         "report_page/sources.js", "report_page/controls.js", "report_page/viewer.js", "report_page/gestures.js",
-         "report_page/pyramid.js", "report_page/panel.js", "report_page/strip.js", "report_page/page.js"});
+    page["scripts"] = embedded_scripts({"chart.js", "report_page/core.js", "report_page/blobs.js",
+                                        "report_page/charts.js", "report_page/pixels.js", "report_page/sources.js",
+                                        "report_page/controls.js", "report_page/viewer.js", "report_page/gestures.js",
+                                        "report_page/pyramid.js", "report_page/panel.js", "report_page/strip.js",
+                                        "report_page/tuning.js", "report_page/page.js"});
     return filled(embedded_file("report_page/page.html"), page, sentence_html);
 }
 

@@ -1,12 +1,14 @@
 // Draws the charts of a tuning: time to the target over each parameter of each method.
 "use strict";
 (() => {
-  const {data, number} = report;
+  const {number} = report;
+  const data = report.data.tuning;
+  if (!data) return;
   const {axis, line, Panel} = report.charts;
 
   /** Where an axis shows its value 0, which has no logarithm. */
   function zeroPlace(settings, column) {
-    const positive = settings.map((s) => Number(s.values[column])).filter((v) => v > 0);
+    const positive = settings.map((s) => s.values[column]).filter((v) => v > 0);
     return positive.length > 0 ? Math.min(...positive) / 2 : 1;
   }
 
@@ -15,7 +17,7 @@
     const zero = zeroPlace(settings, column);
     return (value) => {
       if (parameter.words) return parameter.words.indexOf(value);
-      return Number(value) === 0 ? zero : Number(value);
+      return value === 0 ? zero : value;
     };
   }
 
@@ -42,7 +44,7 @@
       return made;
     }
     const made = axis("logarithmic", parameter.unit ? `${parameter.name} [${parameter.unit}]` : parameter.name);
-    if (!settings.some((s) => Number(s.values[column]) === 0)) return made;
+    if (!settings.some((s) => s.values[column] === 0)) return made;
     const zero = zeroPlace(settings, column), plain = made.ticks.callback;
     made.min = zero / 1.3;
     made.afterBuildTicks = (scale) => {
@@ -53,18 +55,17 @@
   }
 
   function sets(method, column) {
-    const {settings, parameters} = data.tuned[method];
+    const {settings, parameters, label} = data.methods[method];
     const place = placeOf(parameters[column], column, settings);
-    const shown = settings.filter((s) => s.values[column] !== "" && s.seconds !== null);
+    const shown = settings.filter((s) => s.values[column] !== null && s.seconds !== null);
     const points = (list) => list.map((s) => ({x: place(s.values[column]), y: s.seconds, setting: s}));
     const marks = {showLine: false, pointStyle: "circle"};
     const hull = parameters[column].words ? [] : lowerHull(points(shown.filter((s) => s.measured)));
-    const best = data.best && data.best.method === method && data.best.values[column] !== "" ? [data.best] : [];
     return [
       line(method, hull, {pointRadius: 0, pointHitRadius: 0, hover: false, order: 2}),
       line(method, points(shown.filter((s) => s.measured)), marks),
       line(method, points(shown.filter((s) => !s.measured)), {...marks, pointBackgroundColor: "transparent", borderWidth: 1}),
-      line(method, points(best), {...marks, pointRadius: 9, pointHoverRadius: 10, pointBackgroundColor: "transparent",
+      line(method, points(shown.filter((s) => s.label === label)), {...marks, pointRadius: 9, pointHoverRadius: 10, pointBackgroundColor: "transparent",
         borderColor: report.color("--text"), borderWidth: 2}),
     ];
   }
@@ -75,12 +76,12 @@
   const panels = [];
   for (const section of document.querySelectorAll(".tuned")) {
     const method = Number(section.dataset.method);
-    data.tuned[method].parameters.forEach((parameter, column) => {
+    data.methods[method].parameters.forEach((parameter, column) => {
       const box = document.createElement("div");
       section.querySelector(".charts").append(box);
       panels.push(new Panel(box, parameter.name, parameter.sentence, () => ({
         sets: sets(method, column),
-        xAxis: () => xAxis(parameter, column, data.tuned[method].settings),
+        xAxis: () => xAxis(parameter, column, data.methods[method].settings),
         yAxis: () => axis("logarithmic", `seconds to ${data.target}`),
         tip,
         words: `seconds to ${data.target} against ${parameter.name}`,
@@ -91,5 +92,4 @@
   const draw = () => panels.forEach((panel) => panel.draw());
   draw();
   report.onScheme(draw);
-  document.documentElement.classList.add("scripted");
 })();

@@ -108,7 +108,8 @@ void ResultFolder::remove_leftovers() const {
     namespace fs = std::filesystem;
     remove_leftovers_in(path_);
     remove_leftovers_in(path_ + "/images");
-    fs::remove_all(file("command"));  // the folder of another renderer's cell (cell_measuring.cpp)
+    for (const auto& entry : fs::directory_iterator(path_))  // folders of other renderers' cells (cell_runner.cpp)
+        if (entry.path().filename().string().starts_with("command-")) fs::remove_all(entry.path());
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
         const std::string name = cell.path().filename().string();

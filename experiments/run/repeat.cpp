@@ -2,8 +2,7 @@
 
 #include "common/images/image_file.h"
 #include "experiments/results/manifest.h"
-#include "experiments/run/cell_queue.h"
-#include "experiments/run/repeat_plan.h"
+#include "experiments/run/run_session.h"
 #include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
@@ -37,19 +36,51 @@ std::string experiment_path(const Manifest& manifest) {
     return here ? manifest.experiment_file : (fs::path(manifest.working_folder) / manifest.experiment_file).string();
 }
 
-RepeatPlan plan_of(const Manifest& manifest, const std::string& folder) {
-    RepeatPlan plan{.experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest)),
-                    .original = ResultFolder(folder)};
-    plan.experiment.seeds = manifest.seeds;
-    plan.experiment.epsilon = manifest.epsilon;
-    for (const auto& cell : manifest.cells) {
-        plan.passes[cell_folder_name(cell.scene, cell.method, cell.seed)] = cell.passes;
-        for (const auto& scene : manifest.scenes)
-            if (scene.name == cell.scene) plan.scene_hashes[scene.name] = scene.content_hash;
+/// The experiment of a run, as it was read then.
+Experiment experiment_of(const Manifest& manifest) {
+    Experiment experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest));
+    experiment.seeds = manifest.seeds;
+    experiment.epsilon = manifest.epsilon;
+    return experiment;
+}
+
+/// Throws InputError, with the scene's file, if a scene with complete cells has changed since the run.
+void require_same_scenes(const Manifest& manifest, const RunSetup& setup) {
+    for (const RunScene& scene : setup.scenes)
+        for (const auto& then : manifest.scenes)
+            if (then.name == scene.entry.name && then.content_hash != scene.content_hash &&
+                std::any_of(manifest.cells.begin(), manifest.cells.end(),
+                            [&](const ManifestCell& cell) { return cell.scene == then.name; }))
+                throw InputError(
+                    {scene.entry.path},
+                    "the scene was changed since the run (the file itself, or one that it uses): its images cannot "
+                    "be repeated");
+}
+
+/// Takes the references with which the run was measured, and makes those that are not intact.
+void take_references(const Manifest& manifest, const ResultFolder& original, RunSession& run) {
+    for (std::size_t i = 0; i < run.setup.scenes.size(); ++i) {
+        if (!run.list.has(i)) continue;
+        const auto then =
+            std::find_if(manifest.scenes.begin(), manifest.scenes.end(),
+                         [&](const Manifest::Scene& scene) { return scene.name == run.setup.scenes[i].entry.name; });
+        if (then == manifest.scenes.end() || !run.references.take(i, original, then->reference)) run.references.make(i);
     }
-    for (const auto& scene : manifest.scenes)
-        plan.references[scene.name] = scene.reference;
-    return plan;
+    run.list.use(run.references);
+}
+
+/// Renders all cells again. Returns false if the user interrupted it.
+bool render_again(const Manifest& manifest, const ResultFolder& original, RunSession& run) {
+    try {
+        take_references(manifest, original, run);
+        auto cells = run.list.selected();
+        std::erase_if(cells, [&](const WorkCell* cell) { return run.references.has_failed(cell->scene); });
+        run.write_index();
+        run_cells(cells, run.runner, run.log.progress);
+    } catch (const Interrupted&) {
+        return false;
+    }
+    return true;
 }
 
 void warn_of_differences(const std::map<std::string, std::string>& then) {
@@ -89,18 +120,17 @@ std::string difference(const std::string& path, const std::string& other_path) {
 }
 
 /// The message of what failed of a cell or of its scene's reference; empty if nothing did.
-std::optional<std::string> failure_of(const ManifestCell& cell, const std::vector<std::string>& failures) {
-    for (const auto& start : {fmt::format("{}, {}, seed {}: ", cell.scene, cell.method, cell.seed),
-                              fmt::format("the reference of {}: ", cell.scene)})
-        for (const auto& failure : failures)
-            if (failure.rfind(start, 0) == 0) return failure.substr(start.size());
+std::optional<std::string> failure_of(const ManifestCell& cell, const RunLog& log) {
+    const std::string name = fmt::format("{}, {}, seed {}", cell.scene, cell.method, cell.seed);
+    for (const RunLog::Failure& failure : log.failures)
+        if (failure.of == name || failure.of == reference_name(cell.scene)) return failure.message;
     return std::nullopt;
 }
 
 /// Prints a line for each cell. Returns whether all are identical.
-bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan, ExperimentRun& run,
+bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& original, const RunSession& run,
                    std::ostream& out) {
-    const auto now = run.complete_cells();
+    const auto now = manifest_cells(run.list, run.folder);
     std::size_t identical = 0;
     for (const auto& cell : then) {
         const auto name = fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.passes);
@@ -108,7 +138,7 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
             return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
         });
         if (again == now.end()) {
-            const auto failure = failure_of(cell, run.failures());
+            const auto failure = failure_of(cell, run.log);
             out << fmt::format("not repeated  {}: {}\n", name,
                                failure.value_or("the experiment in the manifest does not have it"));
         } else if (again->passes == cell.passes && again->image == cell.image) {
@@ -118,7 +148,7 @@ bool compare_cells(const std::vector<ManifestCell>& then, const RepeatPlan& plan
             const auto folder = cell_folder_name(cell.scene, cell.method, cell.seed);
             const std::string how = again->passes != cell.passes
                                         ? fmt::format(": it ended after {}", again->passes)
-                                        : difference(plan.original.cell_image(folder), run.folder().cell_image(folder));
+                                        : difference(original.cell_image(folder), run.folder.cell_image(folder));
             out << fmt::format("differs       {}{}\n", name, how);
         }
     }
@@ -133,23 +163,28 @@ int repeat_run(const std::string& results, RunOptions options, std::ostream& out
     const std::string folder = named_folder(results);
     const Manifest manifest = read_manifest(folder + "/manifest.json");
     if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
-    const RepeatPlan plan = plan_of(manifest, folder);
     if (!options.out) options.out = folder + "-repeat";
     if (std::error_code ignored; fs::equivalent(*options.out, folder, ignored))
         throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
     options.threads = manifest.threads;
-    options.fresh = true;  // the cells of an earlier repetition would prove nothing
-    options.repeat = &plan;
     warn_of_differences(manifest.machine);
 
-    ExperimentRun run(options);
-    const bool complete = run.measure();
+    const ResultFolder original(folder);
+    RunSetup setup = checked_setup(experiment_of(manifest), options);
+    require_same_scenes(manifest, setup);
+    RunSession run(std::move(setup), options, FolderUse::alone);
+    std::map<std::string, Budget> budgets;
+    for (const auto& cell : manifest.cells)
+        budgets[cell_folder_name(cell.scene, cell.method, cell.seed)] = {std::nullopt, cell.passes};
+    run.list.keep(budgets);
+    run.forget_cells();  // those of an earlier repetition would prove nothing
+    const bool complete = render_again(manifest, original, run);
     const std::string report = run.write_results();
     if (!complete) {
         std::cerr << "interrupted: no image was compared\n";
         return exit_interrupted;
     }
-    const bool identical = compare_cells(manifest.cells, plan, run, out);
+    const bool identical = compare_cells(manifest.cells, original, run, out);
     out << "Report: " << report << "\n";
     return identical ? 0 : exit_failed;
 }

@@ -1,16 +1,15 @@
 #pragma once
-// Runs an experiment (`gibench run`), from its file to its tables and report.
+// Runs an experiment (`gibench run`), from its file to its tables and report, or a share of its cells.
 
 #include "experiments/plan/run_options.h"
 
 #include <iosfwd>
-#include <string>
 
 namespace gib {
 
 /// Runs an experiment and returns the exit code: 0 done, 1 a cell or reference failed (stderr says which), 130
-/// interrupted. Complete cells are kept and are in the tables in every case. Throws InputError, before anything is
-/// computed or written, if the experiment is wrong.
+/// interrupted. Complete cells are kept and are in the tables in every case. A share leaves tables to the run without one
+/// that follows it. Throws InputError, before anything is computed or written, if the experiment is wrong.
 int run_experiment(const RunOptions& options, std::ostream& out);
 
 }  // namespace gib

@@ -35,10 +35,23 @@ std::vector<std::string> lines_of(const std::vector<std::string>& command) {
 
 /// A word for the shell that runs a job's script.
 std::string quoted(const std::string& word) {
+    if (word.starts_with(task_index)) return word;
     std::string text = "'";
     for (const char c : word)
         text += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return text + "'";
+}
+
+/// Ascending numbers as Slurm writes them, "0-2,5".
+std::string ranges_of(const std::vector<std::size_t>& numbers) {
+    std::string text;
+    for (std::size_t i = 0, end; i < numbers.size(); i = end) {
+        for (end = i + 1; end < numbers.size() && numbers[end] == numbers[end - 1] + 1;)
+            ++end;
+        text += fmt::format("{}{}", i > 0 ? "," : "", numbers[i]);
+        if (end > i + 1) text += fmt::format("-{}", numbers[end - 1]);
+    }
+    return text;
 }
 
 }  // namespace
@@ -65,13 +78,12 @@ std::size_t largest_array() {
 
 std::vector<SlurmTask> active_tasks() {
     std::vector<SlurmTask> tasks;
-    for (const std::string& line : lines_of({"squeue", "--me", "--array", "--noheader", "--format=%F %K %T"})) {
+    for (const std::string& line : lines_of({"squeue", "--me", "--array", "--noheader", "--format=%F %K"})) {
         std::istringstream words(line);
         SlurmTask task;
-        std::string index, state;
-        if (!(words >> task.job >> index >> state)) continue;
-        task.index = number_from<std::size_t>(index);  // "N/A" without an array
-        task.runs = state == "RUNNING" || state == "COMPLETING" || state == "SUSPENDED" || state == "STOPPED";
+        std::string index;
+        if (!(words >> task.job >> index)) continue;
+        task.index = number_from<std::size_t>(index).value_or(0);  // "N/A" without an array
         tasks.push_back(task);
     }
     return tasks;
@@ -90,9 +102,9 @@ std::uint64_t submit_job(const SlurmJob& job) {
         "--job-name=" + job.name,
         fmt::format("--cpus-per-task={}", job.cpus),
         "--chdir=" + fs::current_path().string(),
-        fmt::format("--output={}/%x-%{}.txt", fs::absolute(job.log_folder).string(), job.tasks > 0 ? "A_%a" : "j")};
+        fmt::format("--output={}/%x-%{}.txt", fs::absolute(job.log_folder).string(), job.tasks.empty() ? "j" : "A_%a")};
     arguments.insert(arguments.end(), job.user_options.begin(), job.user_options.end());
-    if (job.tasks > 0) arguments.push_back(fmt::format("--array=0-{}", job.tasks - 1));
+    if (!job.tasks.empty()) arguments.push_back("--array=" + ranges_of(job.tasks));
     if (!job.after.empty()) arguments.push_back(fmt::format("--dependency=afterany:{}", fmt::join(job.after, ":")));
     arguments.push_back("--wrap=" + command);
     const auto lines = lines_of(arguments);
@@ -103,13 +115,9 @@ std::uint64_t submit_job(const SlurmJob& job) {
     return *number;
 }
 
-void set_dependency(std::uint64_t job, std::uint64_t after) {
-    lines_of({"scontrol", "update", fmt::format("JobId={}", job), fmt::format("Dependency=afterany:{}", after)});
-}
-
-std::size_t own_array_index() {
-    const char* index = std::getenv("SLURM_ARRAY_TASK_ID");
-    return index ? number_from<std::size_t>(index).value_or(0) : 0;
+std::uint64_t own_job() {
+    const char* number = std::getenv("SLURM_JOB_ID");
+    return number ? number_from<std::uint64_t>(number).value_or(0) : 0;
 }
 
 void forget_own_job() {

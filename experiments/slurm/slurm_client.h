@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,15 +10,17 @@ namespace gib {
 
 /// A job or one task of an array job that waits or runs.
 struct SlurmTask {
-    std::uint64_t job = 0;             ///< number of the whole array
-    std::optional<std::size_t> index;  ///< place in its array
-    bool runs = false;                 ///< false: it waits
+    std::uint64_t job = 0;  ///< number of the whole array
+    std::size_t index = 0;  ///< place in its array
 };
+
+/// In the arguments of an array job: the index of the task.
+inline constexpr const char* task_index = "$SLURM_ARRAY_TASK_ID";
 
 struct SlurmJob {
     std::string name;
-    std::vector<std::string> command;  ///< program and arguments of each task
-    std::size_t tasks = 0;             ///< number of tasks in an array; 0: no array
+    std::vector<std::string> command;  ///< program and arguments; `task_index` stands for the index of the task
+    std::vector<std::size_t> tasks;    ///< indices of the tasks of an array; none: no array
     int cpus = 1;                      ///< number of processors for each task
     std::string log_folder;
     std::vector<std::uint64_t> after;       ///< begins when these have ended, however they ended
@@ -39,11 +40,8 @@ std::vector<SlurmTask> active_tasks();
 /// when its node fails. Throws RunError with sbatch's message.
 std::uint64_t submit_job(const SlurmJob& job);
 
-/// Makes a job that still waits begin after another one has ended, instead of what it waited for. Throws RunError.
-void set_dependency(std::uint64_t job, std::uint64_t after);
-
-/// The place of this process in its array job; 0 outside an array.
-std::size_t own_array_index();
+/// The number of the job that this process belongs to; 0: none.
+std::uint64_t own_job();
 
 /// Removes what Slurm has told this process about its own job from the environment, because sbatch and srun would take it
 /// for options of the next one.

@@ -1,32 +1,36 @@
 #pragma once
-// The jobs of a result folder, as its folder slurm/ keeps them: the plans that tasks read (plan-N.json), the numbers
-// of the jobs (jobs.json), and what the tasks print.
+// The jobs of a result folder, as its folder slurm/ keeps them: their numbers and cells (jobs.json), the batches of references
+// that array jobs make (batches-N.json), and what the jobs print.
 
-#include "experiments/run/run_plan.h"
+#include "experiments/measuring/reference_batches.h"
+#include "experiments/plan/run_options.h"
 #include "experiments/slurm/slurm_client.h"
 
 #include <cstdint>
-#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace gib {
 
 // The kinds of jobs, in their order.
-inline constexpr const char *batches_job = "batches", *merge_job = "merge", *cells_job = "cells",
+inline constexpr const char *batches_job = "batches", *references_job = "references", *cells_job = "cells",
                             *report_job = "report";
 
 struct SubmittedJob {
     std::string kind;
     std::uint64_t number = 0;
-    std::string plan;  ///< path of its plan
+    std::size_t shares = 0;               ///< number of shares of `cells`; a task runs the share of its index
+    std::vector<std::string> cells = {};  ///< names of the folders of all selected cells, in their order
 };
 
-struct SlurmJobs {
-    std::vector<std::string> user_options;  ///< options for sbatch in the last submission
-    std::size_t most_tasks = 1;             ///< limit on the tasks of an array
-    std::vector<SubmittedJob> jobs;
+/// A batch of the reference of a scene, by its place in the experiment's list.
+struct PlannedBatch {
+    std::size_t scene = 0;
+    ReferenceBatch batch;
 };
+/// The batches of an array job, whose tasks make a share each. Throws InputError if the file is missing or is no list.
+std::vector<PlannedBatch> read_batches(const std::string& path);
 
 class JobFolder {
 public:
@@ -35,30 +39,29 @@ public:
     const std::string& path() const { return path_; }
     bool exists() const;
     /// No jobs if there is no file.
-    SlurmJobs read() const;
-    void write(const SlurmJobs& jobs) const;
-    /// Writes a plan under a new name and returns its path.
-    std::string add_plan(const RunPlan& plan) const;
+    std::vector<SubmittedJob> read() const;
+    void write(const std::vector<SubmittedJob>& jobs) const;
+    /// Writes a list under a new name and returns its path.
+    std::string add_batches(const std::vector<PlannedBatch>& batches) const;
 
 private:
     std::string path_;
 };
 
-/// The tasks of a folder's jobs that have not ended.
+/// The tasks of a folder's jobs that have not ended. Those of this process's own job do not count.
 struct ActiveJobs {
+    explicit ActiveJobs(const std::vector<SubmittedJob>& jobs);
+
+    /// The numbers of the jobs of this kind.
+    std::set<std::uint64_t> numbers(const std::string& kind) const;
+    /// The cells of the tasks, by the names of their folders.
+    std::set<std::string> cells() const;
+
     struct Task {
         SubmittedJob job;
         std::size_t index = 0;
-        bool runs = false;
     };
     std::vector<Task> tasks;
-
-    /// The numbers of the jobs of this kind, each once.
-    std::vector<std::uint64_t> numbers(const std::string& kind) const;
 };
-ActiveJobs active_jobs(const SlurmJobs& jobs);
-
-/// The cells of the active tasks, by the names of their folders, and whether their task runs.
-std::map<std::string, bool> active_cells(const ActiveJobs& active);
 
 }  // namespace gib

@@ -1,10 +1,7 @@
 #include "experiments/slurm/status.h"
 
 #include "common/core/files.h"
-#include "common/core/reject.h"
-#include "experiments/measuring/reference.h"
 #include "experiments/results/result_folder.h"
-#include "experiments/run/run_plan.h"
 #include "experiments/slurm/slurm_jobs.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
@@ -16,6 +13,7 @@
 #include <iostream>
 #include <optional>
 #include <ostream>
+#include <set>
 
 namespace gib {
 
@@ -28,32 +26,36 @@ enum State : std::size_t { done, running, waiting, failed, missing };
 
 /// The cells that belong to a run that has begun: how they are known, and whether somebody works on them.
 struct Work {
-    std::map<std::string, bool> cells;  ///< in tasks, by name: whether the task runs
-    bool local_run = false;
+    std::set<std::string> cells;  ///< in tasks, by name
+    bool more_to_come = false;    ///< whether a local run or a job of references will get to the others
     std::string warning;
 };
+
+bool is_locked(const std::string& lock) { return fs::exists(lock) && !FileLock::if_free(lock); }
 
 Work work_in(const std::string& folder) {
     Work work;
     const JobFolder jobs(folder);
     try {
-        if (jobs.exists()) work.cells = active_cells(active_jobs(jobs.read()));
+        if (jobs.exists()) {
+            const ActiveJobs active(jobs.read());
+            work.cells = active.cells();
+            work.more_to_come = !active.numbers(references_job).empty();
+        }
     } catch (const RunError& error) {
         work.warning = fmt::format("Slurm does not say which jobs wait or run: {}", error.what());
     }
-    if (fs::exists(folder + "/.lock")) work.local_run = !FileLock::if_free(folder + "/.lock");
+    if (is_locked(folder + "/.lock")) work.more_to_come = true;
     return work;
 }
 
 State state_of(const ResultFolder& folder, const std::string& name, const ResultIndex& index, const Work& work) {
     const auto key = index.cell_keys.find(name);
     if (key != index.cell_keys.end() && folder.read_cell(name, key->second)) return done;
-    const bool is_begun = fs::exists(folder.work_folder(name)) || fs::exists(folder.cell_folder(name) + "/.lock");
-    if (const auto task = work.cells.find(name); task != work.cells.end())
-        return task->second && is_begun ? running : waiting;
-    if (work.local_run && is_begun) return running;
+    if (is_locked(folder.cell_folder(name) + "/.lock")) return running;
+    if (work.cells.count(name) > 0) return waiting;
     if (fs::exists(folder.failure_file(name))) return failed;
-    return work.local_run ? waiting : missing;
+    return work.more_to_come ? waiting : missing;
 }
 
 }  // namespace

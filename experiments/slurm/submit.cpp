@@ -1,7 +1,7 @@
 #include "experiments/slurm/submit.h"
 
 #include "common/core/reject.h"
-#include "experiments/run/cell_queue.h"
+#include "experiments/run/run_session.h"
 #include "experiments/slurm/slurm_jobs.h"
 #include "experiments/system/interrupt.h"
 
@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <numeric>
+#include <set>
 #include <tuple>
 
 namespace gib {
@@ -21,181 +23,212 @@ namespace fs = std::filesystem;
 
 /// The work (MadeBatch::work) that the job which adds up batches does itself: 5 to 10 s on two cores, less than it
 /// takes a cluster to start another array job.
-constexpr double most_work_of_merge = 1e8;
+constexpr double most_work_of_job = 1e8;
 
-/// Only one process at a time submits jobs for a folder.
-FileLock lock_jobs(const JobFolder& folder) {
-    return lock_reference(folder.path() + "/jobs.json", [](const std::string& owner) {
-        std::cerr << fmt::format("{} is submitting jobs; waiting until it has ended\n", owner);
-    });
-}
-
-/// Submits jobs of a run and notes them in its folder.
+/// Submits jobs of a run and notes them in its folder. Only one process at a time does.
 class Submission {
 public:
-    Submission(JobFolder folder, SlurmJobs jobs, std::string program, int threads, std::ostream& out)
-        : folder_(std::move(folder)),
-          jobs_(std::move(jobs)),
-          program_(std::move(program)),
-          threads_(threads),
-          largest_(std::min(jobs_.most_tasks, largest_array())),
-          out_(out) {}
+    Submission(const RunSession& run, const RunOptions& options, const SlurmOptions& slurm, std::ostream& out)
+        : run_(run), options_(options), slurm_(slurm), out_(out), folder_(run.folder.path()) {
+        ResultFolder::make(folder_.path());
+        lock_.emplace(lock_reference(folder_.path() + "/jobs.json", [](const std::string& owner) {
+            std::cerr << fmt::format("{} is submitting jobs; waiting until it has ended\n", owner);
+        }));
+        jobs_ = folder_.read();
+        active_.emplace(jobs_);
+        largest_ = std::min(slurm.most_tasks, largest_array());
+        forget_own_job();
+    }
 
-    std::size_t most_tasks() const { return largest_; }
+    /// The tasks of earlier submissions that have not ended, without this process.
+    const ActiveJobs& active() const { return *active_; }
 
-    std::uint64_t submit(const char* kind, const std::string& plan, std::size_t tasks,
-                         const std::vector<std::uint64_t>& after) {
-        const std::uint64_t number = submit_job({.name = fmt::format("gibench-{}", kind),
-                                                 .command = {program_, "run-task", plan, kind},
-                                                 .tasks = tasks,
-                                                 .cpus = threads_,
+    /// The jobs that make these batches and add them up.
+    void submit_batches(const std::vector<PlannedBatch>& missing) {
+        const std::string file = folder_.add_batches(missing);
+        std::vector<std::size_t> tasks(std::min(missing.size(), largest_));
+        std::iota(tasks.begin(), tasks.end(), std::size_t{0});
+        const std::uint64_t batches = submit({batches_job, file}, {}, {.tasks = tasks, .shares = tasks.size()});
+        submit({references_job, file}, {batches}, {});
+    }
+
+    /// The jobs for cells that are not complete and in no job.
+    void submit_cells() {
+        const auto elsewhere = active_->cells();
+        const auto states = run_.list.states(run_.folder);
+        Array array{.shares = std::min(states.size(), largest_)};
+        std::set<std::size_t> tasks;
+        std::size_t complete = 0, wanted = 0;
+        for (const CellState& state : states) {
+            if (state.record) ++complete;
+            else if (elsewhere.count(state.cell->name) == 0) {
+                ++wanted;
+                tasks.insert(array.cells.size() % array.shares);
+            }
+            array.cells.push_back(state.cell->name);
+        }
+        array.tasks.assign(tasks.begin(), tasks.end());
+        out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete, elsewhere.size(),
+                            wanted);
+        std::set<std::uint64_t> before = active_->numbers(cells_job);
+        if (wanted > 0) before.insert(submit({cells_job}, {}, array));
+        if (wanted > 0 || active_->numbers(report_job).empty()) submit({report_job}, before, {});
+    }
+
+private:
+    /// An array job that runs the shares `tasks` of `shares`; no tasks: it is no array.
+    struct Array {
+        std::vector<std::size_t> tasks = {};
+        std::size_t shares = 0;
+        std::vector<std::string> cells = {};  ///< SubmittedJob::cells
+    };
+
+    /// `job` is what run_job() takes. Returns the number.
+    std::uint64_t submit(const std::vector<std::string>& job, const std::set<std::uint64_t>& after,
+                         const Array& array) {
+        const std::string& kind = job.front();
+        auto command = command_of_run();
+        if (array.shares > 0)
+            command.insert(command.end(), {"--share", fmt::format("{}/{}", task_index, array.shares)});
+        command.push_back("--job");
+        command.insert(command.end(), job.begin(), job.end());
+        const std::uint64_t number = submit_job({.name = "gibench-" + kind,
+                                                 .command = command,
+                                                 .tasks = array.tasks,
+                                                 .cpus = run_.setup.threads,
                                                  .log_folder = folder_.path(),
-                                                 .after = after,
-                                                 .user_options = jobs_.user_options});
-        jobs_.jobs.push_back({kind, number, plan});
+                                                 .after = {after.begin(), after.end()},
+                                                 .user_options = slurm_.user_options});
+        jobs_.push_back({kind, number, array.shares, array.cells});
         folder_.write(jobs_);  // at once, so that a job is known even if the next one is refused
         out_ << fmt::format("{}: job {}{}{}\n", kind, number,
-                            tasks > 0 ? fmt::format(", {} task{}", tasks, tasks == 1 ? "" : "s") : "",
+                            array.tasks.empty() ? "" : fmt::format(", tasks: {}", array.tasks.size()),
                             after.empty() ? "" : fmt::format(", after {}", fmt::join(after, ", ")));
         return number;
     }
 
-    /// The jobs that make these batches and add them up. Returns the number of the last one.
-    std::uint64_t submit_batches(RunPlan plan, const std::vector<PlannedBatch>& missing) {
-        plan.batches = shared_out(missing, largest_);
-        plan.cells.clear();
-        const std::string path = folder_.add_plan(plan);
-        const std::uint64_t batches = submit(batches_job, path, plan.batches.size(), {});
-        return submit(merge_job, path, 0, {batches});
+    /// The program with the options of the run.
+    std::vector<std::string> command_of_run() const {
+        const std::string& program = options_.program;
+        std::vector<std::string> command = {
+            fs::is_symlink(program) ? fs::read_symlink(program).string() : fs::absolute(program).string(),
+            "run",
+            options_.experiment,
+            "--out",
+            run_.folder.path(),
+            "--threads",
+            std::to_string(run_.setup.threads),
+            "--tasks",
+            std::to_string(slurm_.most_tasks)};
+        if (!slurm_.sbatch.empty()) command.insert(command.end(), {"--sbatch", slurm_.sbatch});
+        if (options_.seeds) command.insert(command.end(), {"--seeds", std::to_string(*options_.seeds)});
+        if (!options_.only.empty()) command.insert(command.end(), {"--only", options_.only});
+        return command;
     }
 
-private:
-    JobFolder folder_;
-    SlurmJobs jobs_;
-    std::string program_;
-    int threads_;
-    std::size_t largest_;
+    const RunSession& run_;
+    const RunOptions& options_;
+    const SlurmOptions& slurm_;
     std::ostream& out_;
+    JobFolder folder_;
+    std::optional<FileLock> lock_;
+    std::vector<SubmittedJob> jobs_;
+    std::optional<ActiveJobs> active_;
+    std::size_t largest_ = 1;
 };
-
-std::string path_of_program(const std::string& program) {
-    return fs::is_symlink(program) ? fs::read_symlink(program).string() : fs::absolute(program).string();
-}
-
-int exit_code(bool complete, const ExperimentRun& run) {
-    return !complete ? exit_interrupted : run.failures().empty() ? 0 : exit_failed;
-}
 
 bool is_same(const PlannedBatch& a, const PlannedBatch& b) {
     return std::tie(a.scene, a.batch.maker, a.batch.number, a.batch.passes, a.batch.passes_before) ==
            std::tie(b.scene, b.batch.maker, b.batch.number, b.batch.passes, b.batch.passes_before);
 }
 
-int merge(const RunOptions& options, ExperimentRun& run, const RunPlan& plan, std::ostream& out) {
-    const auto missing = run.advance_references(most_work_of_merge);
-    run.write_index();
-    if (missing.empty()) return exit_code(true, run);
-    // A batch that its task was to make and that is not there has failed or was cancelled.
-    std::size_t lost = 0;
-    for (const auto& task : plan.batches)
-        for (const PlannedBatch& batch : task)
-            lost += static_cast<std::size_t>(std::count_if(
-                missing.begin(), missing.end(), [&](const PlannedBatch& other) { return is_same(batch, other); }));
+/// Throws RunError if batches that tasks were to make are still missing: the tasks have failed or were cancelled.
+void require_made(const std::vector<PlannedBatch>& made, const std::vector<PlannedBatch>& missing) {
+    const auto lost = std::count_if(made.begin(), made.end(), [&](const PlannedBatch& batch) {
+        return std::any_of(missing.begin(), missing.end(), [&](const PlannedBatch& m) { return is_same(batch, m); });
+    });
     if (lost > 0)
         throw RunError(
             fmt::format("{} batches of references were not made; the command that submitted this run makes "
                         "them again",
                         lost));
-    const JobFolder folder(plan.out);
-    const FileLock lock = lock_jobs(folder);
-    SlurmJobs jobs = folder.read();
-    const auto waiting = active_jobs(jobs).numbers(cells_job);
-    forget_own_job();
-    Submission submission(folder, std::move(jobs), path_of_program(options.program), plan.threads, out);
-    const std::uint64_t last = submission.submit_batches(plan, missing);
-    for (const std::uint64_t job : waiting)
-        try {
-            set_dependency(job, last);
-        } catch (const RunError& error) {  // cells of an earlier submission may run already
-            out << fmt::format("job {} does not wait for the references: {}\n", job, error.what());
-        }
-    return 0;
 }
 
-int report(ExperimentRun& run, const RunPlan& plan, std::ostream& out) {
-    const FileLock lock = lock_result_folder(plan.out);
-    const auto states = run.states();
+/// Brings the references on their way, each by at most so much work of this process, and submits what comes next. `made`:
+/// batches that jobs have made.
+void go_on(RunSession& run, Submission& submission, double most_own_work, const std::vector<PlannedBatch>& made = {}) {
+    std::vector<PlannedBatch> missing;
+    for (std::size_t scene = 0; scene < run.setup.scenes.size(); ++scene)
+        if (run.list.has(scene))
+            for (const ReferenceBatch& batch : run.references.advance(scene, most_own_work))
+                missing.push_back({scene, batch});
+    run.list.use(run.references);
+    run.write_index();
+    require_made(made, missing);
+    if (missing.empty()) submission.submit_cells();
+    else submission.submit_batches(missing);
+}
+
+void make_batches(const RunOptions& options, const RunSession& run, const std::vector<PlannedBatch>& batches) {
+    for (std::size_t scene = 0; scene < run.setup.scenes.size(); ++scene) {
+        std::vector<ReferenceBatch> own;
+        for (std::size_t i = 0; i < batches.size(); ++i)
+            if (batches[i].scene == scene && options.share.value().has(i)) own.push_back(batches[i].batch);
+        if (!own.empty()) run.references.make_batches(scene, own);
+    }
+}
+
+/// Measures the cells of this task's share, with the references that are there.
+void measure_cells(const RunOptions& options, RunSession& run) {
+    run.list.select(options.share.value());
+    run_cells(left_of(run.list.states(run.folder)), run.runner, run.log.progress);
+}
+
+void report(RunSession& run, std::ostream& out) {
+    const FileLock lock = lock_result_folder(run.folder.path());
+    const auto states = run.list.states(run.folder);
     out << "Report: " << run.write_results() << "\n";
-    const auto complete = static_cast<std::size_t>(
-        std::count_if(states.begin(), states.end(), [](const CellState& state) { return state.complete; }));
-    if (complete == states.size()) return 0;
-    throw RunError(fmt::format("{} of {} cells are not complete; `gibench status {}` lists them",
-                               states.size() - complete, states.size(), plan.out));
+    const std::size_t left = left_of(states).size();
+    if (left > 0)
+        throw RunError(fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left,
+                                   states.size(), run.folder.path()));
 }
 
 }  // namespace
 
-int submit_run(RunOptions options, const SlurmOptions& slurm, std::ostream& out) {
+int submit_run(const RunOptions& options, const SlurmOptions& slurm, std::ostream& out) {
     require_slurm();
-    options.shared = true;
-    ExperimentRun run(options);
-    const JobFolder folder(run.folder().path());
-    ResultFolder::make(folder.path());
-    const FileLock lock = lock_jobs(folder);
-    SlurmJobs jobs = folder.read();
-    jobs.user_options = slurm.user_options;
-    jobs.most_tasks = slurm.most_tasks;
-    const ActiveJobs active = active_jobs(jobs);
-    if (options.fresh && !active.tasks.empty())
+    RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::shared);
+    Submission submission(run, options, slurm, out);
+    if (options.fresh && !submission.active().tasks.empty())
         reject({}, "--fresh would delete what the jobs of '{}' measure: wait for them or cancel them",
-               options.out ? *options.out : folder.path());
+               run.folder.path());
     if (options.fresh) run.forget_cells();
-
-    RunPlan plan = run.plan();
-    Submission submission(folder, std::move(jobs), path_of_program(options.program), plan.threads, out);
-    std::vector<std::uint64_t> references = active.numbers(merge_job);
-    if (references.empty()) {
-        const auto missing = run.advance_references(0);
-        run.write_index();
-        for (const std::string& failure : run.failures())
-            std::cerr << "failed: " << failure << "\n";
-        if (!missing.empty()) references.push_back(submission.submit_batches(plan, missing));
-    }
-
-    std::vector<CellPlace> cells;
-    const auto elsewhere = active_cells(active);
-    std::size_t complete = 0;
-    for (const CellState& state : run.states()) {
-        if (state.complete) ++complete;
-        else if (elsewhere.count(state.name) == 0) cells.push_back(state.place);
-    }
-    out << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete, elsewhere.size(),
-                       cells.size());
-    std::vector<std::uint64_t> before = active.numbers(cells_job);
-    if (!cells.empty()) {
-        plan.cells = shared_out(cells, submission.most_tasks());
-        before.push_back(submission.submit(cells_job, folder.add_plan(plan), plan.cells.size(), references));
-    }
-    if (!cells.empty() || active.numbers(report_job).empty()) {
-        plan.cells.clear();
-        submission.submit(report_job, folder.add_plan(plan), 0, before.empty() ? references : before);
-    }
-    out << fmt::format("`gibench status {}` says how far they have come\n", run.folder().path());
-    return run.failures().empty() ? 0 : exit_failed;
+    const auto references = submission.active().numbers(references_job);
+    if (references.empty()) go_on(run, submission, 0);
+    else out << fmt::format("job {} makes references, and then submits the cells\n", *references.begin());
+    out << fmt::format("`gibench status {}` says how far they have come\n", run.folder.path());
+    return run.log.exit_code();
 }
 
-int run_task(const std::string& plan_file, const std::string& kind, std::ostream& out) {
+int run_job(const RunOptions& options, const SlurmOptions& slurm, const std::vector<std::string>& job,
+            std::ostream& out) {
     const InterruptGuard guard;
-    const RunPlan plan = read_plan(plan_file);
-    RunOptions options;
-    options.shared = true;
-    ExperimentRun run(options, plan);
-    const std::size_t task = own_array_index();
-    if (kind == batches_job) return exit_code(run.make_batches(plan.batches.at(task)), run);
-    if (kind == cells_job) return exit_code(run.measure_cells(plan.cells.at(task)), run);
-    if (kind == merge_job) return merge(options, run, plan, out);
-    if (kind == report_job) return report(run, plan, out);
-    reject({}, "there is no job of the kind '{}'", kind);
+    RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::shared);
+    const std::string& kind = job.front();
+    if (kind == batches_job) {
+        make_batches(options, run, read_batches(job.at(1)));
+    } else if (kind == references_job) {
+        Submission submission(run, options, slurm, out);
+        go_on(run, submission, most_work_of_job, read_batches(job.at(1)));
+    } else if (kind == cells_job) {
+        measure_cells(options, run);
+    } else if (kind == report_job) {
+        report(run, out);
+    } else {
+        reject({}, "there is no job of the kind '{}'", kind);
+    }
+    return run.log.exit_code();
 }
 
 void require_no_jobs(const RunOptions& options) {
@@ -204,7 +237,7 @@ void require_no_jobs(const RunOptions& options) {
     const JobFolder jobs(folder);
     if (!jobs.exists()) return;
     try {
-        if (active_jobs(jobs.read()).tasks.empty()) return;
+        if (ActiveJobs(jobs.read()).tasks.empty()) return;
     } catch (const RunError&) {
         return;  // no Slurm here that could run them
     }

@@ -7,173 +7,130 @@ namespace gib {
 
 namespace {
 
-/// Share of the time for the halving; the rest is for the steps to better neighbours.
+/// Share of the time for the halving; the rest is for the descent.
 constexpr double halving_share = 0.6;
 /// A step is taken for this share of the time or less, so that noise does not keep the descent moving.
 constexpr double least_gain = 0.95;
 
 class Search {
 public:
-    Search(const MeasureTimes& measure, const SearchSettings& settings) : measure_(measure), settings_(settings) {}
+    Search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure)
+        : space_(space), limits_(limits), measure_(measure) {}
 
-    /// Measures labels and returns the trials, the best first, without those for which no time was left.
-    std::vector<Trial> trials(const std::vector<MethodLabel>& labels, double budget) {
-        const double limited = limited_budget(budget);
-        const auto times = measure_(labels, limited, round_++);
+    SearchOutcome run() {
+        const auto settings = space_.cover(limits_.settings_per_axis * static_cast<int>(space_.axes().size()));
+        const double rounds = std::ceil(std::log2(static_cast<double>(settings.size()))) + 1;
+        budget_ = halving_share * limits_.seconds / (rounds * static_cast<double>(settings.size()));
+        if (auto best = best_by_halving(settings)) {
+            for (int step = 0; step < limits_.most_steps; ++step) {
+                const auto next = step_from(*best);
+                if (!next) break;
+                best = repeated_while_it_gains(*best, *next);
+            }
+            std::stable_partition(done_.begin(), done_.end(),
+                                  [&](const Trial& t) { return t.setting == best->setting; });
+        }
+        return {done_, is_cut_};
+    }
+
+private:
+    double limited_budget() const { return std::min(budget_, 2 * best_measured_); }
+
+    /// Whether so many runs end within this share of the search's time, each with the time besides its budget that runs
+    /// have taken so far. If they do not, the search is cut.
+    bool has_time_for(std::size_t runs, double share) {
+        const double elapsed = limits_.elapsed();
+        const double besides = runs_ > 0 ? std::max(0.0, elapsed - budgets_) / static_cast<double>(runs_) : 0;
+        const double needed = static_cast<double>(runs) * (limited_budget() + besides);
+        if (elapsed + needed > share * limits_.seconds) is_cut_ = true;
+        return elapsed + needed <= share * limits_.seconds;
+    }
+
+    /// Measures settings and returns the trials, the best first, without those for which no time was left.
+    std::vector<Trial> trials(const std::vector<Setting>& settings) {
+        const double budget = limited_budget();
+        const auto times = measure_(settings, budget);
         std::vector<Trial> result;
-        for (std::size_t i = 0; i < labels.size(); ++i) {
+        for (std::size_t i = 0; i < settings.size(); ++i) {
             if (!times[i]) {
-                is_out_of_time_ = true;
+                is_cut_ = true;
                 continue;
             }
-            result.push_back({labels[i], *times[i]});
+            result.push_back({settings[i], *times[i]});
             if (times[i]->is_measured) best_measured_ = std::min(best_measured_, times[i]->seconds);
-            forget(labels[i]);
+            std::erase_if(done_, [&](const Trial& t) { return t.setting == settings[i]; });
         }
         std::stable_sort(result.begin(), result.end(),
                          [](const Trial& a, const Trial& b) { return a.time.cost() < b.time.cost(); });
         done_.insert(done_.begin(), result.begin(), result.end());
-        budgets_ += limited * static_cast<double>(result.size());
+        budgets_ += budget * static_cast<double>(result.size());
         runs_ += result.size();
         return result;
     }
-    /// Whether so many runs end within this share of the search's time, each with the time besides its budget that runs
-    /// have taken so far. If they do not, the search is cut, but shorter rounds may follow.
-    bool has_time_for(std::size_t runs, double budget, double share) {
-        const double elapsed = settings_.elapsed ? settings_.elapsed() : budgets_;
-        const double besides = runs_ > 0 ? std::max(0.0, elapsed - budgets_) / static_cast<double>(runs_) : 0;
-        const double needed = static_cast<double>(runs) * (limited_budget(budget) + besides);
-        const bool has_time = !is_out_of_time_ && elapsed + needed <= share * settings_.seconds;
-        is_cut_ = is_cut_ || !has_time;
-        return has_time;
-    }
-    bool is_known(const MethodLabel& label) const {
-        return std::any_of(done_.begin(), done_.end(), [&](const Trial& t) { return t.label.text() == label.text(); });
-    }
-    const std::vector<Trial>& done() const { return done_; }
-    bool is_cut() const { return is_cut_ || is_out_of_time_; }
 
-private:
-    double limited_budget(double budget) const { return std::min(budget, 2 * best_measured_); }
-    void forget(const MethodLabel& label) {
-        std::erase_if(done_, [&](const Trial& t) { return t.label.text() == label.text(); });
+    /// The same for those that are new; none if there is no time for all of them.
+    std::vector<Trial> new_trials(std::vector<Setting> settings) {
+        std::erase_if(settings, [&](const Setting& s) {
+            return std::any_of(done_.begin(), done_.end(), [&](const Trial& t) { return t.setting == s; });
+        });
+        return settings.empty() || !has_time_for(settings.size(), 1) ? std::vector<Trial>() : trials(settings);
     }
 
+    std::optional<Trial> best_by_halving(std::vector<Setting> alive) {
+        std::optional<Trial> best;
+        while (true) {
+            const auto round = trials(alive);
+            if (round.empty()) return best;
+            best = round.front();
+            alive.clear();
+            for (std::size_t i = 0; i < (round.size() + 1) / 2; ++i)
+                if (i == 0 || round[i].time.cost() <= hopeless * best->time.cost()) alive.push_back(round[i].setting);
+            budget_ *= 2;
+            if (alive.size() < 2 || !has_time_for(alive.size(), halving_share)) break;
+        }
+        budget_ /= 2;  // that of the last round
+        return best;
+    }
+
+    /// The best neighbour, or all changes together that gain; empty if no step gains enough.
+    std::optional<Trial> step_from(const Trial& best) {
+        auto better = new_trials(space_.neighbours(best.setting));
+        std::erase_if(better, [&](const Trial& t) { return t.time.cost() >= best.time.cost(); });
+        if (better.size() > 1) {
+            std::vector<Setting> changes;
+            for (const Trial& trial : better)
+                changes.push_back(trial.setting);
+            const auto all = new_trials({space_.with_all_changes(best.setting, changes)});
+            if (!all.empty() && all.front().time.cost() < better.front().time.cost()) better.front() = all.front();
+        }
+        if (better.empty() || better.front().time.cost() > least_gain * best.time.cost()) return std::nullopt;
+        return better.front();
+    }
+
+    /// Goes on for as long as the change from one setting to the next, made again, gains (the pattern move).
+    Trial repeated_while_it_gains(Trial from, Trial to) {
+        while (true) {
+            const auto next = new_trials({space_.with_change_repeated(from.setting, to.setting)});
+            if (next.empty() || next.front().time.cost() > least_gain * to.time.cost()) return to;
+            from = to;
+            to = next.front();
+        }
+    }
+
+    const SearchSpace& space_;
+    const SearchLimits& limits_;
     const MeasureTimes& measure_;
-    const SearchSettings& settings_;
-    double budgets_ = 0;
+    double budget_ = 0, budgets_ = 0;  ///< seconds of a run, and of all so far
     std::size_t runs_ = 0;
     double best_measured_ = std::numeric_limits<double>::infinity();
-    int round_ = 0;
-    bool is_cut_ = false, is_out_of_time_ = false;
+    bool is_cut_ = false;
     std::vector<Trial> done_;
 };
 
-/// The labels that go on: the better half without those that cannot win.
-std::vector<MethodLabel> better_half(const std::vector<Trial>& trials) {
-    std::vector<MethodLabel> labels;
-    for (std::size_t i = 0; i < (trials.size() + 1) / 2; ++i)
-        if (i == 0 || trials[i].time.cost() <= hopeless * trials.front().time.cost()) labels.push_back(trials[i].label);
-    return labels;
-}
-
-/// The best label of successive halving.
-MethodLabel best_by_halving(Search& state, std::vector<MethodLabel> alive, double& budget) {
-    MethodLabel best = alive.front();
-    while (true) {
-        const auto trials = state.trials(alive, budget);
-        if (trials.empty()) return best;
-        best = trials.front().label;
-        alive = better_half(trials);
-        if (alive.size() < 2 || !state.has_time_for(alive.size(), 2 * budget, halving_share)) return best;
-        budget *= 2;
-    }
-}
-
-/// Trials with the same seed and the same budget, the best first: one of the best label so far, and others.
-struct Comparison {
-    std::vector<Trial> trials;
-    double best_cost;  ///< cost of the best label so far
-};
-
-/// Compares `best` with those of `labels` that are new. Empty if none is new, if there is no time for all of them, or if
-/// there was time for `best` or for the others only.
-std::optional<Comparison> beside(Search& state, const MethodLabel& best, const std::vector<MethodLabel>& labels,
-                                 double budget) {
-    std::vector<MethodLabel> around = {best};
-    for (const auto& label : labels)
-        if (!state.is_known(label)) around.push_back(label);
-    if (around.size() < 2 || !state.has_time_for(around.size(), budget, 1)) return std::nullopt;
-    auto trials = state.trials(around, budget);
-    const auto own =
-        std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.label.text() == best.text(); });
-    if (own == trials.end() || trials.size() < 2) return std::nullopt;
-    const double best_cost = own->time.cost();
-    return Comparison{std::move(trials), best_cost};
-}
-
-/// The labels that take less than `share` of the cost of the best one so far, the best first.
-std::vector<MethodLabel> gaining(const std::optional<Comparison>& comparison, double share = least_gain) {
-    std::vector<MethodLabel> labels;
-    if (comparison)
-        for (const Trial& trial : comparison->trials)
-            if (trial.time.cost() < share * comparison->best_cost) labels.push_back(trial.label);
-    return labels;
-}
-
-/// The better one of the best label and its neighbours, after one step; empty if no step gains. The step may take all changes
-/// together that gain anything, so that several small gains make one that is taken. Where nothing gains, two changes may gain
-/// together; these are looked for around the change that loses least.
-std::optional<MethodLabel> step_from(Search& state, const MethodLabel& best, const std::vector<TuningAxis>& axes,
-                                     double budget) {
-    const auto comparison = beside(state, best, neighbours(best, axes), budget);
-    if (!comparison) return std::nullopt;
-    const auto better = gaining(comparison), slightly_better = gaining(comparison, 1);
-    const MethodLabel all = with_all_changes(best, slightly_better, axes);
-    if (better.empty()) {
-        if (slightly_better.size() > 1 && !gaining(beside(state, best, {all}, budget)).empty()) return all;
-        const auto& trials = comparison->trials;
-        const MethodLabel& least_loss = trials[trials.front().label.text() == best.text() ? 1 : 0].label;
-        const auto pairs = gaining(beside(state, best, neighbours(least_loss, axes), budget));
-        return pairs.empty() ? std::nullopt : std::optional(pairs.front());
-    }
-    if (state.is_known(all) || !state.has_time_for(2, budget, 1)) return better.front();
-    const auto both = state.trials({better.front(), all}, budget);
-    return both.empty() ? better.front() : both.front().label;
-}
-
-/// Goes on as far as the change from one label to the next, made again, gains (Hooke and Jeeves 1961, the pattern move).
-MethodLabel repeated_while_it_gains(Search& state, MethodLabel from, MethodLabel to,
-                                    const std::vector<TuningAxis>& axes, double budget) {
-    while (true) {
-        const MethodLabel next = with_change_repeated(from, to, axes);
-        const auto better = gaining(beside(state, to, {next}, budget));
-        if (better.empty()) return to;
-        from = to;
-        to = next;
-    }
-}
-
 }  // namespace
 
-SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
-                     const MeasureTimes& measure) {
-    if (axes.empty()) return {{{base, {}}}};
-    const auto labels = candidates(base, axes, settings.labels_per_axis * static_cast<int>(axes.size()));
-    const double rounds = std::ceil(std::log2(static_cast<double>(labels.size()))) + 1;
-    double budget = halving_share * settings.seconds / (rounds * static_cast<double>(labels.size()));
-    Search state(measure, settings);
-    MethodLabel best = best_by_halving(state, labels, budget);
-    for (int step = 0; step < settings.most_steps; ++step) {
-        const auto next = step_from(state, best, axes, budget);
-        if (!next) break;
-        best = repeated_while_it_gains(state, best, *next, axes, budget);
-    }
-    SearchOutcome outcome{state.done(), state.is_cut()};
-    if (outcome.trials.empty()) outcome.trials.push_back({base, {}});
-    std::stable_partition(outcome.trials.begin(), outcome.trials.end(),
-                          [&](const Trial& t) { return t.label.text() == best.text(); });
-    return outcome;
+SearchOutcome search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure) {
+    return Search(space, limits, measure).run();
 }
 
 }  // namespace gib

@@ -1,7 +1,7 @@
 #pragma once
-// The search for the settings with the least time to an error: successive halving (Karnin, Koren and Somekh 2013;
-// Jamieson and Talwalkar 2016), then steps to better neighbours. It sees settings as labels and measures them by a
-// callback, so that it can be tested with known times.
+// The search for the settings with the least time to an error: a cover of the space, successive halving (Karnin, Koren and
+// Somekh 2013; Jamieson and Talwalkar 2016), then one descent to better neighbours. It measures settings by a callback, so
+// that it can be tested with known times.
 
 #include "experiments/tuning/search_space.h"
 
@@ -26,40 +26,37 @@ struct TimeEstimate {
 };
 
 struct Trial {
-    MethodLabel label;
+    Setting setting;
     TimeEstimate time;
 };
 
-/// Measures labels for `budget` seconds each, all with the same seed. `round` counts the calls. The result has the order of
-/// the labels; a label that failed gets an infinite time, and one for which no time was left gets none.
-using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<MethodLabel>& labels,
-                                                                            double budget, int round)>;
+/// Measures settings for `budget` seconds each, all with the same seed. The result has their order; a setting that failed
+/// has an infinite time, and one for which no time was left has none.
+using MeasureTimes =
+    std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<Setting>& settings, double budget)>;
 
-struct SearchSettings {
-    double seconds = 60;      ///< time for all runs together
-    int labels_per_axis = 6;  ///< number of labels besides the defaults
-    int most_steps = 8;       ///< limit on the steps of the descent to better neighbours
-    /// The seconds that the search has taken so far, with all that a run takes besides its budget; empty: the sum of the
-    /// budgets.
-    std::function<double()> elapsed = {};
+struct SearchLimits {
+    double seconds;                   ///< time for all runs together
+    std::function<double()> elapsed;  ///< seconds so far, with all that a run takes besides its budget
+    int settings_per_axis = 6;        ///< size of the cover
+    int most_steps = 8;               ///< limit on the steps of the descent
 };
 
 struct SearchOutcome {
-    /// The latest trial of every label that was measured, the best first; trials of longer runs stand before those that
-    /// were given up earlier. It has at least one.
+    /// The latest trial of every setting that was measured, the best first; trials of longer runs stand before those that
+    /// were given up earlier.
     std::vector<Trial> trials;
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
 
-/// Each round of halving keeps the better half and doubles the budget, and drops a label that the laws place `hopeless`
-/// times behind the best. No budget is larger than twice the best time measured so far, and no round begins that
-/// would take longer than what is left. The descent then goes to the best neighbour, tries all changes together that
-/// gained one by one, and repeats a change as long as it gains (Hooke and Jeeves 1961, "Direct Search Solution of Numerical
-/// and Statistical Problems"). Where no change gains, it looks for a second one beside the one that loses least.
-SearchOutcome search(const MethodLabel& base, const std::vector<TuningAxis>& axes, const SearchSettings& settings,
-                     const MeasureTimes& measure);
+/// Each round of halving keeps the better half and doubles the budget, and drops a setting that the laws place `hopeless`
+/// times behind the best. No budget is larger than twice the best time measured so far, and no round begins that would take
+/// longer than what is left. A step of the descent takes all changes together that gain one by one, or the best of them,
+/// and is repeated for as long as it gains (Hooke and Jeeves 1961, "Direct Search Solution of Numerical and Statistical
+/// Problems").
+SearchOutcome search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure);
 
-/// How many times longer than the best a label may seem to take. A law of a short run is often wrong by a factor of two.
+/// How many times longer than the best a setting may seem to take. A law of a short run is often wrong by a factor of two.
 inline constexpr double hopeless = 4;
 
 }  // namespace gib

@@ -20,10 +20,8 @@ static_assert(most_axes <= sobol_dimensions);
 /// The share of the cover that has a default which lies apart from its span.
 constexpr double share_of_default = 0.25;
 
-const std::string* value_in(const MethodLabel& label, const std::string& parameter) {
-    for (const auto& [name, value] : label.values)
-        if (name == parameter) return &value;
-    return nullptr;
+bool sets(const MethodLabel& label, const std::string& parameter) {
+    return std::any_of(label.values.begin(), label.values.end(), [&](const auto& v) { return v.first == parameter; });
 }
 
 bool is_number(const Parameter& parameter) {
@@ -33,40 +31,48 @@ bool is_number(const Parameter& parameter) {
 /// The name by which a message calls the source of a variation.
 const char* source_of(const Variation& variation) { return variation.where.file.empty() ? "--vary" : "vary"; }
 
+/// The default among the words, or as a number.
+std::optional<double> initial_of(const Parameter& parameter, const std::vector<std::string>& words) {
+    if (words.empty()) return number_from<double>(parameter.default_value);
+    const auto place = std::find(words.begin(), words.end(), parameter.default_value);
+    return place == words.end() ? std::nullopt : std::optional(static_cast<double>(place - words.begin()));
+}
+
 TuningAxis declared_axis(const Parameter& parameter) {
     TuningAxis axis{.name = parameter.name,
                     .least = parameter.lower,
                     .most = parameter.upper,
-                    .is_whole = parameter.kind == Parameter::Kind::integer,
-                    .initial = parameter.default_value};
+                    .is_whole = parameter.kind == Parameter::Kind::integer};
     if (!parameter.tuning) return axis;
     axis.span = *parameter.tuning;
-    if (!is_number(parameter)) {
-        const auto begin = parameter.choices.begin();
-        axis.words.assign(begin + static_cast<int>(axis.span.lower), begin + static_cast<int>(axis.span.upper) + 1);
-        return axis;
-    }
-    const auto initial = number_from<double>(axis.initial);
-    axis.has_default_apart = initial && (*initial < axis.span.lower || *initial > axis.span.upper);
+    if (is_number(parameter)) return axis;
+    const auto begin = parameter.choices.begin();
+    axis.words.assign(begin + static_cast<int>(axis.span.lower), begin + static_cast<int>(axis.span.upper) + 1);
+    return axis;
+}
+
+/// The axis with the values that were asked for.
+TuningAxis asked_axis(const Parameter& parameter, const Variation& variation) {
+    TuningAxis axis = declared_axis(parameter);
+    axis.words = variation.words;
+    if (!axis.words.empty()) return axis;
+    if (!is_number(parameter))
+        reject(variation.where, "{}: '{}' has no range; list its values, as in {}=A,B", source_of(variation),
+               parameter.name, parameter.name);
+    if (variation.lower < parameter.lower || variation.upper > parameter.upper)
+        reject(variation.where, "{}: '{}' has to lie in {}", source_of(variation), parameter.name, range_of(parameter));
+    axis.span.lower = variation.lower;
+    axis.span.upper = variation.upper;
+    // A factor cannot lead to 0.
+    axis.span.is_logarithmic = axis.span.is_logarithmic && variation.lower > 0;
     return axis;
 }
 
 TuningAxis axis_of(const Parameter& parameter, const Variation* variation) {
-    TuningAxis axis = declared_axis(parameter);
-    if (!variation) return axis;
-    axis.has_default_apart = false;
-    axis.words = variation->words;
-    if (!axis.words.empty()) return axis;
-    if (!is_number(parameter))
-        reject(variation->where, "{}: '{}' has no range; list its values, as in {}=A,B", source_of(*variation),
-               parameter.name, parameter.name);
-    if (variation->lower < parameter.lower || variation->upper > parameter.upper)
-        reject(variation->where, "{}: '{}' has to lie in {}", source_of(*variation), parameter.name,
-               range_of(parameter));
-    axis.span.lower = variation->lower;
-    axis.span.upper = variation->upper;
-    // A factor cannot lead to 0.
-    axis.span.is_logarithmic = axis.span.is_logarithmic && variation->lower > 0;
+    TuningAxis axis = variation ? asked_axis(parameter, *variation) : declared_axis(parameter);
+    axis.initial = initial_of(parameter, axis.words);
+    axis.has_default_apart = !variation && axis.words.empty() && axis.initial &&
+                             (*axis.initial < axis.span.lower || *axis.initial > axis.span.upper);
     return axis;
 }
 
@@ -80,90 +86,44 @@ bool is_accepted(const MethodLabel& label) {
     }
 }
 
-/// The label with this value of an axis, unless that is the default or the method refuses it.
-MethodLabel with_accepted(const MethodLabel& label, const TuningAxis& axis, const std::string& value) {
-    if (value.empty() || value == axis.initial) return label;
-    MethodLabel changed = with_value(label, axis.name, value);
-    return is_accepted(changed) ? changed : label;
-}
-
-/// The label without the values of the axes.
-MethodLabel without_axes(MethodLabel label, const std::vector<TuningAxis>& axes) {
-    std::erase_if(label.values, [&](const auto& value) {
-        return std::any_of(axes.begin(), axes.end(), [&](const TuningAxis& a) { return a.name == value.first; });
-    });
-    return label;
-}
-
-/// The values of all axes of a label, empty where it has none.
-std::vector<std::string> values_of(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
-    std::vector<std::string> values;
-    for (const TuningAxis& axis : axes) {
-        const std::string* value = value_in(label, axis.name);
-        values.push_back(value ? *value : "");
-    }
-    return values;
-}
-
-MethodLabel with_values(MethodLabel label, const std::vector<TuningAxis>& axes,
-                        const std::vector<std::string>& values) {
-    for (std::size_t d = 0; d < axes.size(); ++d)
-        label = with_accepted(label, axes[d], values[d]);
-    return label;
-}
-
 /// The values one step away from `value`.
-std::vector<std::string> steps_from(const TuningAxis& axis, const std::string& value) {
-    std::vector<std::string> steps;
-    for (const auto& word : axis.words)
-        if (word != value) steps.push_back(word);
-    const auto number = number_from<double>(value);
-    if (!axis.words.empty() || !number) return steps;
-    if (axis.has_default_apart && value == axis.initial) return {axis.text_of(axis.span.lower)};
+std::vector<double> steps_from(const TuningAxis& axis, double value) {
+    std::vector<double> steps;
+    for (std::size_t word = 0; word < axis.words.size(); ++word)
+        if (const auto other = static_cast<double>(word); other != value) steps.push_back(other);
+    if (!axis.words.empty()) return steps;
+    if (axis.has_default_apart && value == axis.initial) return {axis.rounded(axis.span.lower)};
     for (const double factor : {0.5, 2.0})
-        if (const std::string stepped = axis.text_of(*number * factor); stepped != axis.text_of(*number))
+        if (const double stepped = axis.rounded(value * factor); stepped != axis.rounded(value))
             steps.push_back(stepped);
     // From the lower end of the span, a step down leads to the default that lies below it.
-    if (axis.has_default_apart && *number / 2 < axis.span.lower) steps.front() = axis.initial;
+    if (axis.has_default_apart && value / 2 < axis.span.lower) steps.front() = *axis.initial;
     return steps;
-}
-
-/// The values of all axes of a label, the defaults where it has none.
-std::vector<std::string> values_or_defaults(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
-    auto values = values_of(label, axes);
-    for (std::size_t d = 0; d < axes.size(); ++d)
-        if (values[d].empty()) values[d] = axes[d].initial;
-    return values;
-}
-
-/// Changes the numbers that follow that of axis `leader` by its factor from `before` to `values`.
-void follow(std::size_t leader, const std::vector<std::string>& before, const std::vector<TuningAxis>& axes,
-            std::vector<std::string>& values) {
-    const auto from = number_from<double>(before[leader]), to = number_from<double>(values[leader]);
-    if (!from || !to || !(*from > 0) || !(*to > 0)) return;
-    for (std::size_t d = 0; d < axes.size(); ++d)
-        if (const auto number = number_from<double>(before[d]); number && axes[d].span.follows == axes[leader].name)
-            values[d] = axes[d].text_of(*number * (*to / *from));
 }
 
 }  // namespace
 
-std::string TuningAxis::text_of(double value) const {
+double TuningAxis::rounded(double value) const {
     const double inside = std::clamp(value, least, most);
     const double decade = inside == 0 ? 1 : std::pow(10, std::floor(std::log10(std::abs(inside))) - 1);
-    const double rounded = std::round(inside / decade) * decade;
-    return is_whole ? fmt::format("{:.0f}", std::round(rounded)) : fmt::format("{:.2g}", rounded);
+    const double two_digits = std::round(inside / decade) * decade;
+    return is_whole ? std::round(two_digits) : number_from<double>(fmt::format("{:.2g}", two_digits)).value();
 }
 
-std::string TuningAxis::at(double share) const {
+std::string TuningAxis::text(double value) const {
+    if (!words.empty()) return words[static_cast<std::size_t>(value)];
+    return is_whole ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
+}
+
+double TuningAxis::at(double share) const {
     if (has_default_apart) {
-        if (share < share_of_default) return initial;
+        if (share < share_of_default) return *initial;
         share = (share - share_of_default) / (1 - share_of_default);
     }
-    if (!words.empty())
-        return words[std::min(words.size() - 1, static_cast<std::size_t>(share * static_cast<double>(words.size())))];
-    if (!span.is_logarithmic) return text_of(span.lower + share * (span.upper - span.lower));
-    return text_of(span.lower * std::pow(span.upper / span.lower, share));
+    if (const auto count = static_cast<double>(words.size()); count > 0)
+        return std::min(std::floor(share * count), count - 1);
+    if (!span.is_logarithmic) return rounded(span.lower + share * (span.upper - span.lower));
+    return rounded(span.lower * std::pow(span.upper / span.lower, share));
 }
 
 Variation parse_variation(const std::string& text, const SourceLocation& where) {
@@ -198,18 +158,94 @@ std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<V
         const auto asked = std::find_if(variations.begin(), variations.end(),
                                         [&](const Variation& v) { return v.parameter == parameter.name; });
         const Variation* variation = asked == variations.end() ? nullptr : &*asked;
-        if (!variation && !parameter.tuning) continue;
-        if (value_in(base, parameter.name)) {
-            if (variation)
-                reject(variation->where, "{}: '{}' is set by the method '{}'", source_of(*variation), parameter.name,
-                       base.text());
-            continue;
-        }
-        axes.push_back(axis_of(parameter, variation));
+        const bool is_set = sets(base, parameter.name);
+        if (variation && is_set)
+            reject(variation->where, "{}: '{}' is set by the method '{}'", source_of(*variation), parameter.name,
+                   base.text());
+        if ((variation || parameter.tuning) && !is_set) axes.push_back(axis_of(parameter, variation));
     }
     if (axes.size() > most_axes)
         reject({}, "at most {} parameters can vary, and '{}' has {}", most_axes, base.text(), axes.size());
     return axes;
+}
+
+MethodLabel SearchSpace::label(const Setting& setting) const {
+    MethodLabel label = base_;
+    for (std::size_t d = 0; d < axes_.size(); ++d)
+        if (setting[d]) label.values.emplace_back(axes_[d].name, axes_[d].text(*setting[d]));
+    return label;
+}
+
+Setting SearchSpace::normal(Setting setting) const {
+    Setting result = defaults();
+    for (std::size_t d = 0; d < axes_.size(); ++d) {
+        if (setting[d] == axes_[d].initial) continue;
+        result[d] = setting[d];
+        if (result[d] && !is_accepted(label(result))) result[d].reset();
+    }
+    return result;
+}
+
+std::optional<double> SearchSpace::effective(const Setting& setting, std::size_t axis) const {
+    if (setting[axis] || !axes_[axis].initial) return setting[axis];
+    // A parameter whose default is set where it has no effect is refused.
+    Setting with_default = setting;
+    with_default[axis] = axes_[axis].initial;
+    return is_accepted(label(with_default)) ? axes_[axis].initial : std::nullopt;
+}
+
+std::vector<Setting> SearchSpace::cover(int count) const {
+    constexpr std::uint64_t seed = 1;
+    std::vector<Setting> settings = {defaults()};
+    for (int i = 0; !axes_.empty() && i < count; ++i) {
+        const Sampler point(PointSet::sobol, seed, 0, static_cast<std::uint32_t>(i));
+        Setting setting;
+        for (std::size_t d = 0; d < axes_.size(); ++d)
+            setting.push_back(axes_[d].at(point.get_1d(static_cast<std::uint32_t>(d))));
+        setting = normal(setting);
+        if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
+    }
+    return settings;
+}
+
+std::vector<Setting> SearchSpace::neighbours(const Setting& setting) const {
+    std::vector<Setting> result;
+    Setting full = setting;  // with the defaults
+    for (std::size_t d = 0; d < axes_.size(); ++d)
+        if (!full[d]) full[d] = axes_[d].initial;
+    for (std::size_t d = 0; d < axes_.size(); ++d) {
+        if (!full[d]) continue;
+        for (const double step : steps_from(axes_[d], *full[d])) {
+            Setting changed = setting;
+            changed[d] = step;
+            for (std::size_t f = 0; f < axes_.size(); ++f)
+                if (axes_[f].span.follows == axes_[d].name && axes_[f].words.empty() && full[f] && *full[d] > 0 &&
+                    step > 0)
+                    changed[f] = axes_[f].rounded(*full[f] * (step / *full[d]));
+            changed = normal(changed);
+            if (changed != setting) result.push_back(std::move(changed));
+        }
+    }
+    return result;
+}
+
+Setting SearchSpace::with_all_changes(const Setting& setting, const std::vector<Setting>& better) const {
+    Setting all = setting;
+    for (const Setting& other : better)
+        for (std::size_t d = 0; d < axes_.size(); ++d)
+            if (all[d] == setting[d]) all[d] = other[d];
+    return normal(all);
+}
+
+Setting SearchSpace::with_change_repeated(const Setting& from, const Setting& to) const {
+    Setting next = to;
+    for (std::size_t d = 0; d < axes_.size(); ++d) {
+        if (!axes_[d].words.empty()) continue;
+        const auto before = effective(from, d), after = effective(to, d);
+        if (before && after && *before > 0 && *before != *after)
+            next[d] = axes_[d].rounded(*after * (*after / *before));
+    }
+    return normal(next);
 }
 
 MethodLabel with_value(MethodLabel label, const std::string& parameter, const std::string& value) {
@@ -220,67 +256,6 @@ MethodLabel with_value(MethodLabel label, const std::string& parameter, const st
         }
     label.values.emplace_back(parameter, value);
     return label;
-}
-
-std::vector<MethodLabel> candidates(const MethodLabel& base, const std::vector<TuningAxis>& axes, int count) {
-    constexpr std::uint64_t seed = 1;
-    std::vector<MethodLabel> labels = {base};
-    for (int i = 0; !axes.empty() && i < count; ++i) {
-        const Sampler point(PointSet::sobol, seed, 0, static_cast<std::uint32_t>(i));
-        std::vector<std::string> values;
-        for (std::size_t d = 0; d < axes.size(); ++d)
-            values.push_back(axes[d].at(point.get_1d(static_cast<std::uint32_t>(d))));
-        const MethodLabel label = with_values(base, axes, values);
-        const auto same = [&](const MethodLabel& other) { return other.text() == label.text(); };
-        if (std::none_of(labels.begin(), labels.end(), same)) labels.push_back(label);
-    }
-    return labels;
-}
-
-std::vector<MethodLabel> neighbours(const MethodLabel& label, const std::vector<TuningAxis>& axes) {
-    const MethodLabel base = without_axes(label, axes);
-    const auto own = values_of(label, axes), effective = values_or_defaults(label, axes);
-    std::vector<MethodLabel> labels;
-    for (std::size_t d = 0; d < axes.size(); ++d)
-        for (const auto& step : steps_from(axes[d], effective[d])) {
-            auto values = own;
-            values[d] = step;
-            follow(d, effective, axes, values);
-            MethodLabel changed = with_values(base, axes, values);
-            if (changed.text() != label.text()) labels.push_back(std::move(changed));
-        }
-    return labels;
-}
-
-MethodLabel with_all_changes(const MethodLabel& label, const std::vector<MethodLabel>& better,
-                             const std::vector<TuningAxis>& axes) {
-    const auto own = values_of(label, axes);
-    auto values = own;
-    for (const MethodLabel& other : better) {
-        const auto theirs = values_of(other, axes);
-        for (std::size_t d = 0; d < axes.size(); ++d)
-            if (values[d] == own[d]) values[d] = theirs[d];
-    }
-    return with_values(without_axes(label, axes), axes, values);
-}
-
-MethodLabel with_change_repeated(const MethodLabel& from, const MethodLabel& to, const std::vector<TuningAxis>& axes) {
-    auto values = values_of(to, axes);
-    for (std::size_t d = 0; d < axes.size(); ++d) {
-        if (!axes[d].words.empty()) continue;
-        const auto before = number_from<double>(effective_value(from, axes[d]));
-        const auto after = number_from<double>(effective_value(to, axes[d]));
-        if (before && after && *before > 0 && *before != *after)
-            values[d] = axes[d].text_of(*after * (*after / *before));
-    }
-    return with_values(without_axes(to, axes), axes, values);
-}
-
-std::string effective_value(const MethodLabel& label, const TuningAxis& axis) {
-    if (const std::string* own = value_in(label, axis.name)) return *own;
-    // A parameter whose default is set where it has no effect is refused.
-    if (axis.initial.empty() || !is_accepted(with_value(label, axis.name, axis.initial))) return "";
-    return axis.initial;
 }
 
 }  // namespace gib

@@ -1,12 +1,13 @@
 #pragma once
-// The time to an error from the checkpoints of cells.
+// The time to an error from the checkpoints of cells: of one short run, for the search, and of all final runs of a setting.
 
 #include "experiments/results/result_folder.h"
 #include "experiments/tuning/halving_search.h"
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace gib {
@@ -20,11 +21,25 @@ namespace gib {
 /// counts at its own time.
 TimeEstimate estimated_time(const Cell& cell, double target, double horizon = std::numeric_limits<double>::infinity());
 
-/// The time of each run to `target`, as natural logarithms of seconds; empty unless all runs reach it.
-std::vector<double> log_times(const std::vector<Cell>& cells, double target);
+/// What the runs of a setting say about a target.
+struct Verdict {
+    enum State {
+        measured,       ///< all runs have reached it
+        extrapolated,   ///< by the law; the interval of `seconds` may have no upper end
+        not_reachable,  ///< the law's floor, or the error of all converged runs, is above it
+        no_image        ///< there is no run
+    } state = no_image;
+    std::size_t runs = 0;
+    double error = 0,
+           seconds_of_error = 0;         ///< relative RMSE of the final images and their time [s], means over the runs
+    Estimate seconds = {NAN, {}};        ///< to the target, if it is measured or extrapolated [s]
+    Estimate floor = {NAN, {}};          ///< relative RMSE that more time does not remove, if it is not reachable
+    std::uint32_t passes = 0;            ///< to the target, as far as it is known; else of the final images
+    std::vector<double> log_times = {};  ///< natural logarithms of the runs' seconds to a target that is measured
+};
 
-/// The fewest passes, mean over the runs in the logarithm and rounded up, after which the target is reached; empty
-/// unless all runs reach it.
-std::optional<std::uint32_t> passes_to(const std::vector<Cell>& cells, double target);
+/// `is_unbiased`: the floor is known to be 0. Else times that were not measured have an upper end only where the law's
+/// floor is known to lie below the target.
+Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
 
 }  // namespace gib

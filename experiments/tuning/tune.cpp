@@ -1,239 +1,302 @@
-// The time of a tuning is divided among reference, search and final runs. What is left of a part goes to the next one.
+// The time of a tuning is divided among reference, search, choice and final runs. What is left of a part goes to the next one.
 #include "experiments/tuning/tune.h"
 
 #include "common/core/reject.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/plan/experiment_file.h"
+#include "experiments/run/run_experiment.h"
 #include "experiments/system/interrupt.h"
-#include "experiments/tuning/final_plan.h"
-#include "experiments/tuning/time_estimate.h"
-#include "experiments/tuning/tuning_page.h"
-#include "experiments/tuning/tuning_rounds.h"
-#include "experiments/tuning/tuning_text.h"
+#include "experiments/tuning/final_budgets.h"
+#include "experiments/tuning/tuning_result.h"
+#include "experiments/tuning/tuning_runs.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iostream>
-#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
 
 namespace gib {
 
 namespace {
 
-constexpr double reference_share = 0.25, final_share = 0.3;  // shares of the time; the search has the rest
-/// The search has seed 1 alone. The final runs have it, too, but their times are those of the others, which the search has
-/// not seen: the best of many settings is partly the luckiest with the seed that chose it.
-constexpr int fresh_seeds = 5;
-/// Settings whose time in the search is this many times that of the method's best are measured again at the end.
+/// When each part has to end, as shares of the whole time.
+constexpr double reference_end = 0.25, search_end = 0.6, choice_end = 0.7;
+/// Of what is left then, the final runs of the methods' best settings have this share; defaults and neighbours have the rest.
+constexpr double best_share = 0.7;
+
+/// The search has one seed, the choice among its best settings others, because the best of many settings is partly the luckiest
+/// with the seed that chose it. The final runs judge by the seeds 1 to final_seeds, which have chosen nothing. If time is
+/// short, there are at least fewest_seeds.
+constexpr std::uint64_t search_seed = 1001, first_choice_seed = 1002, choice_seeds = 3, final_seeds = 5,
+                        fewest_seeds = 3;
+/// Settings whose time in the search is this many times that of the method's best take part in the choice.
 constexpr double close_enough = 1.3;
 constexpr std::size_t most_close = 3;
+/// Runs may take this many times as long as the target is expected to take, because seeds and the load of the machine differ.
+constexpr double ample = 2;
+/// Other settings are given up after this many times the time of the best one: it is enough to know that they take longer.
+constexpr double longest_factor = 3;
 
-/// A label that is worth final runs; the lowest rank is the most important.
-struct Wish {
-    MethodLabel label;
-    std::size_t method;
-    enum Rank { best, defaults, close, neighbour } rank;
-};
-
-std::vector<MethodLabel> asked_methods(const TuneOptions& options) {
-    std::vector<MethodLabel> methods;
-    for (const auto& text : options.methods.empty() ? names_of_comparable_methods() : options.methods) {
-        const ConfiguredMethod method(MethodLabel::parse(text));
-        find_comparable_method(method.label.name);
-        methods.push_back(method.label);
-    }
-    return methods;
+std::vector<Variation> variations_of(const TuneFile& file) {
+    std::vector<Variation> variations;
+    for (const auto& [text, where] : file.variations)
+        variations.push_back(parse_variation(text, where));
+    return variations;
 }
 
-void require_known(const Variation& variation, const std::vector<MethodLabel>& methods) {
-    const auto has = [&](const MethodLabel& label) {
-        const auto names = names_of(find_method(label.name).parameters);
-        return std::find(names.begin(), names.end(), variation.parameter) != names.end();
-    };
-    if (std::none_of(methods.begin(), methods.end(), has))
-        reject(variation.where, "{}: no method here has a parameter '{}'",
-               variation.where.file.empty() ? "--vary" : "vary", variation.parameter);
+/// The methods that are searched. Throws InputError if a label or a variation is wrong.
+std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
+    const auto variations = variations_of(file);
+    std::vector<SearchSpace> spaces;
+    std::set<std::string> parameters;
+    for (const auto& text : file.methods.empty() ? names_of_comparable_methods() : file.methods) {
+        const ConfiguredMethod method(MethodLabel::parse(text));
+        for (const auto& name : names_of(find_comparable_method(method.label.name).parameters))
+            parameters.insert(name);
+        spaces.emplace_back(method.label, tuning_axes(method.label, variations));
+    }
+    for (const Variation& variation : variations)
+        if (parameters.count(variation.parameter) == 0)
+            reject(variation.where, "{}: no method here has a parameter '{}'",
+                   variation.where.file.empty() ? "--vary" : "vary", variation.parameter);
+    return spaces;
+}
+
+std::vector<MethodLabel> bases_of(const std::vector<SearchSpace>& spaces) {
+    std::vector<MethodLabel> bases;
+    for (const SearchSpace& space : spaces)
+        bases.push_back(space.base());
+    return bases;
 }
 
 class Tuning {
 public:
-    explicit Tuning(const TuneOptions& options)
-        : options_(options),
-          name_("tune-" + std::filesystem::path(options.scene).stem().string()),
-          rounds_(options_, name_, options.out ? *options.out : result_folder_of(name_), parse_target(options.target),
-                  reference_share * seconds()) {
-        result_.scene = rounds_.scene();
-        result_.target = options.target;
-        result_.target_error = parse_target(options.target);
-        result_.minutes = options.minutes;
-        for (const auto& base : asked_methods(options))
-            result_.methods.push_back({base, tuning_axes(base, options.variations), {}});
-    }
+    Tuning(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options)
+        : Tuning(asked_spaces(file), file, scene, options) {}
 
     int run(std::ostream& out) {
-        for (std::size_t m = 0; m < result_.methods.size(); ++m)
-            search_method(m);
-        measure_finals();
-        result_.used_seconds = rounds_.used();
-        const std::string page = write_tuning_page(result_, rounds_.folder());
-        if (!result_.has_best()) {
-            std::cerr << fmt::format("no method reached {} in the final runs{}; more --minutes give longer ones\n",
-                                     options_.target, closest());
+        if (const std::string words = runs_.make_reference(reference_end * seconds()); !words.empty()) {
+            std::cerr << words << "\n";
             return exit_failed;
         }
-        out << tuning_text(result_)
-            << fmt::format("Results: {}; page: {}; report: {}\n", rounds_.folder(), page,
-                           rounds_.folder() + "/final/report.html");
-        return 0;
+        for (std::size_t m = 0; m < result_.methods.size(); ++m)
+            search_method(m);
+        choose();
+        measure_finals();
+        result_.used_seconds = runs_.used();
+        const std::string report = runs_.write_results(tuning_json(result_));
+        if (!result_.best()) std::cerr << fmt::format("no method reached {} in the final runs\n", result_.target);
+        std::cerr << fmt::format("Report: {}\n", report);
+        out << tuning_text(result_);
+        return result_.best() ? 0 : exit_failed;
     }
 
 private:
-    double seconds() const { return 60 * options_.minutes; }
+    Tuning(const std::vector<SearchSpace>& spaces, const TuneFile& file, const ExperimentScene& scene,
+           const RunOptions& options)
+        : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
+        result_ = {.scene = scene.name, .target = file.target, .target_error = target_, .minutes = file.minutes};
+        for (const SearchSpace& space : spaces)
+            result_.methods.push_back({space, runs_.is_unbiased(space.base())});
+    }
+
+    double seconds() const { return 60 * result_.minutes; }
     /// The longest time of a final run if only the best settings and the defaults of each method have one.
-    double horizon() const { return longest_final(final_share * seconds(), 2 * result_.methods.size()); }
-    /// When the search has to end, so that the final runs have their share.
-    double search_end() const { return (1 - final_share) * seconds(); }
+    double horizon() const {
+        return (1 - choice_end) * seconds() / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
+    }
+    static double weight(const TunedMethod& method) {
+        return 1 + 6.0 * static_cast<double>(method.space.axes().size());
+    }
 
     void search_method(std::size_t m) {
         TunedMethod& method = result_.methods[m];
-        // The reference is made in the first round; time that it or the methods before leave is used here.
-        const double begin = std::max(rounds_.used(), reference_share * seconds());
-        const auto left = std::count_if(result_.methods.begin() + static_cast<std::ptrdiff_t>(m), result_.methods.end(),
-                                        [](const TunedMethod& t) { return !t.axes.empty(); });
-        const double share = (search_end() - begin) / static_cast<double>(std::max(left, std::ptrdiff_t{1}));
-        SearchSettings settings{.seconds = std::max(share, 0.0)};
-        settings.elapsed = [&] { return std::max(rounds_.used() - begin, 0.0); };
-        const auto outcome =
-            search(method.base, method.axes, settings, [&](const auto& labels, double budget, int round) {
-                const auto measured =
-                    rounds_.measured({.name = fmt::format("{}-{}-{}", m + 1, method.base.name, round + 1),
-                                      .labels = labels,
-                                      .budget = budget,
-                                      .deadline = begin + settings.seconds});
-                return estimates(measured);
-            });
-        method.trials = outcome.trials;
-        if (outcome.is_cut)
-            result_.notes.push_back(fmt::format("the search among settings of {} ended early", method.base.text()));
+        const double begin = runs_.used();
+        const double all =
+            std::accumulate(result_.methods.begin() + static_cast<std::ptrdiff_t>(m), result_.methods.end(), 0.0,
+                            [](double sum, const TunedMethod& t) { return sum + weight(t); });
+        const double share = std::max(0.0, search_end * seconds() - begin) * weight(method) / all;
+        const SearchLimits limits{.seconds = share, .elapsed = [&] { return runs_.used() - begin; }};
+        const SearchOutcome found = search(method.space, limits, [&](const auto& settings, double budget) {
+            std::vector<TuningRuns::Wanted> wanted;
+            for (const Setting& setting : settings)
+                wanted.push_back({method.space.label(setting), search_seed, budget});
+            std::vector<std::optional<TimeEstimate>> times;
+            const auto runs = runs_.measured(wanted, begin + share);
+            for (std::size_t i = 0; i < runs.size(); ++i) {
+                const auto& [cell, is_left_out] = runs[i];
+                if (cell) times.push_back(estimated_time(*cell, target_, horizon()));
+                else times.push_back(is_left_out ? std::nullopt : std::optional(TimeEstimate{}));
+                if (cell) searched_[wanted[i].label.text()] = *cell;
+            }
+            return times;
+        });
+        method.trials = found.trials;
+        if (method.trials.empty()) method.trials.push_back({method.space.defaults(), {}});
+        if (found.is_cut)
+            result_.notes.push_back(
+                fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    std::vector<std::optional<TimeEstimate>> estimates(const TuningRounds::Round& round) const {
-        std::vector<std::optional<TimeEstimate>> times;
-        for (const auto& cells : round.cells) {
-            if (!cells.empty()) times.push_back(estimated_time(cells.front(), result_.target_error, horizon()));
-            else if (round.is_cut) times.push_back(std::nullopt);
-            else times.push_back(TimeEstimate{});
-        }
-        return times;
+    /// The cost of a setting by the seeds of the choice; infinite unless all of its runs were done.
+    double cost_of(const FinalSetting& candidate) {
+        std::vector<TuningRuns::Wanted> wanted;
+        for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
+            wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
+        double log_cost = 0;
+        for (const TuningRuns::Run& run : runs_.measured(wanted, choice_end * seconds()))
+            log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
+        return std::exp(log_cost / choice_seeds);
     }
 
-    /// Everything that is worth final runs, the most important first and without duplicates.
-    std::vector<Wish> wishes() const {
-        std::vector<Wish> all;
+    /// Chooses the best setting of each method, and the order of the methods, by seeds that the search has not seen. What
+    /// seems to take long comes last, so that time is short for it alone.
+    void choose() {
+        std::vector<FinalSetting> candidates;
         for (std::size_t m = 0; m < result_.methods.size(); ++m) {
-            const TunedMethod& method = result_.methods[m];
-            const Trial& best = method.trials.front();
-            all.push_back({best.label, m, Wish::best});
-            if (!method.axes.empty()) all.push_back({method.base, m, Wish::defaults});
-            for (std::size_t i = 1; i < method.trials.size() && i <= most_close; ++i)
-                if (method.trials[i].time.cost() <= close_enough * best.time.cost())
-                    all.push_back({method.trials[i].label, m, Wish::close});
-            for (const auto& label : neighbours(best.label, method.axes))
-                all.push_back({label, m, Wish::neighbour});
+            const auto& trials = result_.methods[m].trials;
+            for (std::size_t i = 0; i <= std::min(most_close, trials.size() - 1); ++i)
+                if (i == 0 || trials[i].time.cost() <= close_enough * trials.front().time.cost())
+                    candidates.push_back({.method = m,
+                                          .setting = trials[i].setting,
+                                          .role = FinalSetting::best,
+                                          .budget = ample * trials[i].time.cost()});
         }
-        std::stable_sort(all.begin(), all.end(), [](const Wish& a, const Wish& b) { return a.rank < b.rank; });
-        std::vector<Wish> unique;
-        for (const Wish& wish : all)
-            if (std::none_of(unique.begin(), unique.end(),
-                             [&](const Wish& w) { return w.label.text() == wish.label.text(); }))
-                unique.push_back(wish);
-        return unique;
+        const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
+        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        for (FinalSetting& candidate : candidates)
+            if (candidates.size() > 1) candidate.budget = ample * cost_of(candidate);
+        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        for (const FinalSetting& candidate : candidates)
+            if (std::none_of(result_.finals.begin(), result_.finals.end(),
+                             [&](const FinalSetting& f) { return f.method == candidate.method; }))
+                result_.finals.push_back(candidate);
+    }
+
+    /// The defaults of each method, then the neighbours of the best setting.
+    std::vector<FinalSetting> others() const {
+        std::vector<FinalSetting> all;
+        for (const FinalSetting& best : result_.finals) {
+            const SearchSpace& space = result_.methods[best.method].space;
+            if (space.defaults() != best.setting)
+                all.push_back({.method = best.method, .setting = space.defaults(), .role = FinalSetting::defaults});
+        }
+        const FinalSetting& first = result_.finals.front();
+        const SearchSpace& space = result_.methods[first.method].space;
+        for (const Setting& setting : space.neighbours(first.setting))
+            if (setting != space.defaults()) all.push_back({.method = first.method, .setting = setting});
+        return all;
+    }
+
+    /// The budgets of all final runs. Other settings than the best are left out where their runs would not end in time.
+    void plan_finals() {
+        const double left = std::max(0.0, seconds() - runs_.used()), besides = runs_.besides();
+        std::vector<double> wanted;
+        for (const FinalSetting& f : result_.finals)
+            wanted.push_back(f.budget);
+        const auto budgets = shared_seconds(wanted, best_share * left / fewest_seeds, besides);
+        double used = 0;
+        for (std::size_t i = 0; i < budgets.size(); ++i) {
+            result_.finals[i].budget = budgets[i];
+            used += final_seeds * (budgets[i] + besides);
+        }
+        const double longest = longest_factor / ample * result_.finals.front().budget;
+        const auto more = others();
+        std::size_t kept = 0;
+        for (const FinalSetting& other : more) {
+            used += final_seeds * (longest + besides);
+            if (used > left) break;
+            result_.finals.push_back(other);
+            result_.finals.back().budget = longest;
+            ++kept;
+        }
+        if (kept < more.size())
+            result_.notes.push_back(
+                fmt::format("{} of {} other settings had no time for final runs, neighbours of the best "
+                            "first",
+                            more.size() - kept, more.size()));
     }
 
     void measure_finals() {
-        auto labels = wishes();
-        double shortest = std::numeric_limits<double>::infinity();
-        for (const TunedMethod& method : result_.methods)
-            shortest = std::min(shortest, method.trials.front().time.seconds);
-        const auto least =
-            std::count_if(labels.begin(), labels.end(), [](const Wish& w) { return w.rank <= Wish::defaults; });
-        const FinalPlan plan = plan_finals({.labels = labels.size(),
-                                            .least = static_cast<std::size_t>(least),
-                                            .seeds = 1 + fresh_seeds,
-                                            .left = seconds() - rounds_.used(),
-                                            .besides = rounds_.besides(),
-                                            .shortest = shortest});
-        if (plan.labels < labels.size())
-            result_.notes.push_back(
-                fmt::format("{} of {} settings worth final runs were left out, neighbours of the best first",
-                            labels.size() - plan.labels, labels.size()));
-        labels.erase(labels.begin() + static_cast<std::ptrdiff_t>(plan.labels), labels.end());
-        TuningRounds::Request request{.name = "final",
-                                      .budget = plan.budget,
-                                      .seeds = 1 + fresh_seeds,
-                                      .first_seed = 2,
-                                      .deadline = seconds(),
-                                      .has_report = true};
-        for (const Wish& wish : labels)
-            request.labels.push_back(wish.label);
-        const auto round = rounds_.measured(request);
-        if (round.is_cut) result_.notes.push_back("the final runs ended before all seeds were done");
-        result_.final_budget = plan.budget;
-        for (std::size_t i = 0; i < labels.size(); ++i)
-            result_.finals.push_back(final_setting(labels[i], round.cells[i]));
-        std::stable_sort(
-            result_.finals.begin(), result_.finals.end(), [](const FinalSetting& a, const FinalSetting& b) {
-                return std::pair(a.log_times.empty(), a.mean.value) < std::pair(b.log_times.empty(), b.mean.value);
-            });
+        const std::size_t bests = result_.finals.size();
+        plan_finals();
+        std::vector<MethodLabel> labels;
+        std::vector<double> budgets;
+        for (const FinalSetting& f : result_.finals) {
+            labels.push_back(result_.label(f));
+            budgets.push_back(f.budget);
+        }
+        runs_.begin_experiment(labels, budgets, final_seeds);
+        std::vector<std::vector<Cell>> cells(labels.size());
+        bool is_cut = false;
+        // All seeds of the methods' best settings come first, because each method is to have a verdict.
+        for (const auto& [from, to] : {std::pair(std::size_t{0}, bests), std::pair(bests, labels.size())}) {
+            std::vector<TuningRuns::Wanted> wanted;
+            for (std::uint64_t seed = 1; seed <= final_seeds; ++seed)
+                for (std::size_t i = from; i < to; ++i)
+                    wanted.push_back({labels[i], seed, budgets[i]});
+            const auto runs = runs_.measured(wanted, seconds());
+            for (std::size_t i = 0; i < runs.size(); ++i) {
+                if (runs[i].cell) cells[from + i % (to - from)].push_back(*runs[i].cell);
+                is_cut = is_cut || runs[i].is_left_out;
+            }
+        }
+        if (is_cut) result_.notes.push_back("some final runs ended before all seeds were done");
+        for (std::size_t i = 0; i < labels.size(); ++i) {
+            FinalSetting& f = result_.finals[i];
+            const auto searched = searched_.find(labels[i].text());
+            f.is_fresh = f.role != FinalSetting::best || !cells[i].empty() || searched == searched_.end();
+            if (!f.is_fresh) cells[i] = {searched->second};
+            f.verdict = verdict_of(cells[i], target_, result_.methods[f.method].is_unbiased);
+        }
+        if (const FinalSetting* best = result_.best())
+            for (const double error : {0.10, 0.05, 0.02, 0.01})
+                if (const Verdict v =
+                        verdict_of(cells[static_cast<std::size_t>(best - result_.finals.data())], error, false);
+                    v.state == Verdict::measured)
+                    result_.along_the_way.emplace_back(error, v.seconds);
     }
 
-    /// The settings whose final images came closest to the target, in brackets.
-    std::string closest() const {
-        const Cell* best = nullptr;
-        const auto error2 = [](const Cell& cell) {
-            return cell.checkpoints.back().errors.at(total_name).rel_mse_corrected;
-        };
-        for (const FinalSetting& setting : result_.finals)
-            for (const Cell& cell : setting.cells)
-                if (!best || error2(cell) < error2(*best)) best = &cell;
-        if (!best) return "";
-        return fmt::format(" (closest: {}, {:.3g} % after {:.3g} s)", best->method,
-                           100 * std::sqrt(std::max(error2(*best), 0.0)), best->last().seconds);
-    }
-
-    FinalSetting final_setting(const Wish& wish, const std::vector<Cell>& cells) const {
-        FinalSetting setting{.label = wish.label, .method = wish.method, .cells = cells};
-        if (cells.size() > 1) setting.log_times = log_times(cells, result_.target_error);
-        if (!setting.log_times.empty()) setting.mean = sample_mean(setting.log_times);
-        return setting;
-    }
-
-    TuneOptions options_;
-    std::string name_;
-    TuningRounds rounds_;
+    double target_;
+    TuningRuns runs_;
+    std::map<std::string, Cell> searched_;  ///< the latest run of each label by the seed of the search
     TuningResult result_;
 };
 
 }  // namespace
 
-void check_tuning(const TuneOptions& options) {
-    static_cast<void>(parse_target(options.target));
-    if (options.epsilon) require_epsilon(*options.epsilon);
-    const auto methods = asked_methods(options);
-    for (const auto& variation : options.variations)
-        require_known(variation, methods);
-    for (const auto& base : methods)
-        static_cast<void>(tuning_axes(base, options.variations));
+int tune(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options, std::ostream& out) {
+    const InterruptGuard guard;
+    if (file.head.epsilon) require_epsilon(*file.head.epsilon);
+    return Tuning(file, scene, options).run(out);
 }
 
-int tune(const TuneOptions& options, std::ostream& out) {
-    const InterruptGuard guard;
-    check_tuning(options);
-    return Tuning(options).run(out);
+int run_or_tune(const RunOptions& options, std::ostream& out) {
+    const auto file = load_tune_file(options.experiment);
+    if (!file) return run_experiment(options, out);
+    if (options.seeds) reject({}, "--seeds is for experiments without [tune], whose seeds have their own parts");
+    if (options.fresh)
+        reject({}, "--fresh is for experiments without [tune]; delete the folder of the results instead");
+    if (options.share) reject({}, "--share is for experiments without [tune], whose runs follow from each other");
+    static_cast<void>(asked_spaces(*file));
+    const std::string folder = options.out ? *options.out : result_folder_of(file->head.name);
+    int code = 0;
+    bool any = false;
+    for (const ExperimentScene& scene : file->head.scenes) {
+        if (scene.name.find(options.only) == std::string::npos) continue;
+        out << (any ? "\n" : "") << scene.name << ":\n";
+        any = true;
+        RunOptions own = options;
+        own.out = folder + "/" + scene.name;
+        own.only.clear();
+        code = std::max(code, tune(*file, scene, own, out));
+    }
+    if (!any) reject({}, "--only '{}' keeps no scene: it is in no scene's name", options.only);
+    return code;
 }
 
 }  // namespace gib

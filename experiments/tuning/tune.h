@@ -1,19 +1,23 @@
 #pragma once
-// `gibench tune`: the settings of each method with the least time to an error on one scene.
+// `gibench tune`: the settings of each method with the least time to an error.
 
-#include "experiments/tuning/tune_options.h"
+#include "experiments/plan/run_options.h"
+#include "experiments/plan/tune_file.h"
 
 #include <iosfwd>
 
 namespace gib {
 
-/// Searches, measures the best settings with fresh seeds and prints them to `out`, the best label first. Every round of
-/// the search is an experiment in a folder of its own, `NUMBER-METHOD-ROUND`, and the final measurement one in `final`; the same
-/// command goes on after an interruption. The folder also gets `tune.html`, the page of the tuning, and `tune.json` with
-/// its numbers. Returns the exit code: 0 found, 1 no method reached the target, 130 interrupted. Throws InputError.
-int tune(const TuneOptions& options, std::ostream& out);
+/// Searches on one scene, measures the best settings with fresh seeds and prints them to `out`, the best label first and a
+/// line with the verdict of each method last. The folder options.out gets tables and the report of the final runs, with
+/// `tune.json` (tuning_result.h) and a section about the search. The same command goes on after an interruption. Returns the
+/// exit code: 0 found, 1 no method reached the target, or the reference does not resolve it. Throws InputError, and
+/// Interrupted.
+int tune(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options, std::ostream& out);
 
-/// Throws InputError if the target, a method or a variation is wrong.
-void check_tuning(const TuneOptions& options);
+/// Runs an experiment file as `gibench run` does, with or without `[tune]`. With it, each scene whose name contains
+/// options.only is tuned in a folder of its name. Returns the exit code. Throws InputError, before anything is computed, if
+/// the file or an option is wrong.
+int run_or_tune(const RunOptions& options, std::ostream& out);
 
 }  // namespace gib

@@ -1,102 +1,171 @@
 #include "experiments/tuning/tuning_result.h"
 
-#include "common/core/number_text.h"
+#include "experiments/metrics/student_t.h"
+#include "experiments/text/json_record.h"
 #include "experiments/text/numbers.h"
-#include "experiments/tuning/time_estimate.h"
+#include "methods/method.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace gib {
 
+using nlohmann::json;
+
 namespace {
 
-Estimate exponential(double mean, double half) {
-    return {std::exp(mean), Interval{std::exp(mean - half), std::exp(mean + half)}};
-}
+constexpr const char* state_names[] = {"measured", "extrapolated", "not reachable", "no image"};
 
-bool is_same(const MethodLabel& a, const MethodLabel& b) { return a.text() == b.text(); }
+std::string percent(double share) { return fmt::format("{:.3g}", 100 * share); }
 
-/// The words for a change along an axis; empty if nothing changes.
-std::string change_along(const TuningAxis& axis, const MethodLabel& best, const MethodLabel& other) {
-    const std::string from = effective_value(best, axis), to = effective_value(other, axis);
-    if (from == to || to.empty()) return "";
-    const auto before = number_from<double>(from), after = number_from<double>(to);
-    const double ratio = before && after && *before > 0 ? *after / *before : 0;
-    if (std::abs(ratio - 0.5) < 0.05) return axis.name + " halved";
-    if (std::abs(ratio - 2) < 0.2) return axis.name + " doubled";
-    return fmt::format("{}={}", axis.name, to);
-}
-
-}  // namespace
-
-Estimate seconds_of(const FinalSetting& f) {
-    return exponential(f.mean.value, half_width({f.mean.variance}, interval_tail));
-}
-
-Estimate factor_between(const FinalSetting& other, const FinalSetting& best) {
-    return exponential(other.mean.value - best.mean.value,
-                       half_width({other.mean.variance, best.mean.variance}, interval_tail));
-}
-
-std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult& result) {
-    std::vector<std::pair<double, Estimate>> along;
-    for (const double error : errors_along_the_way)
-        if (const auto times = log_times(result.best().cells, error); times.size() > 1) {
-            const SampleMean mean = sample_mean(times);
-            along.emplace_back(error, exponential(mean.value, half_width({mean.variance}, interval_tail)));
+json settings_of(const TunedMethod& method) {
+    json all = json::array();
+    for (const Trial& trial : method.trials) {
+        json values = json::array();
+        for (std::size_t d = 0; d < method.space.axes().size(); ++d) {
+            const TuningAxis& axis = method.space.axes()[d];
+            const auto value = method.space.effective(trial.setting, d);
+            values.push_back(!value ? json(nullptr) : axis.words.empty() ? json(*value) : json(axis.text(*value)));
         }
-    return along;
-}
-
-std::string change_of(const TuningResult& result, const FinalSetting& other) {
-    const TunedMethod& method = result.methods[other.method];
-    if (!method.axes.empty() && is_same(other.label, method.base)) return "the defaults";
-    if (other.method != result.best().method) return "";
-    std::string only;
-    for (const TuningAxis& axis : method.axes) {
-        const std::string change = change_along(axis, result.best().label, other.label);
-        if (!change.empty() && !only.empty()) return "";
-        if (!change.empty()) only = change;
-    }
-    return only;
-}
-
-std::vector<Speedup> speedups(const TuningResult& result) {
-    std::vector<Speedup> all;
-    for (std::size_t m = 0; m < result.methods.size(); ++m) {
-        const auto of_method = [&](const FinalSetting& f) { return f.method == m && !f.log_times.empty(); };
-        const auto is_base = [&](const FinalSetting& f) {
-            return f.method == m && is_same(f.label, result.methods[m].base);
-        };
-        const auto best = std::find_if(result.finals.begin(), result.finals.end(), of_method);
-        const auto base = std::find_if(result.finals.begin(), result.finals.end(), is_base);
-        if (result.methods[m].axes.empty() || best == result.finals.end() || base == result.finals.end()) continue;
-        Speedup speedup{.method = m, .best = &*best};
-        if (!base->log_times.empty()) speedup.factor = factor_between(*base, *best);
-        else if (!base->cells.empty()) speedup.at_least = result.final_budget / std::exp(best->mean.value);
-        if (speedup.factor || speedup.at_least.value_or(0) > 1) all.push_back(speedup);
+        all.push_back({{"label", method.space.label(trial.setting).text()},
+                       {"values", values},
+                       {"seconds", number_to_json(trial.time.seconds)},
+                       {"measured", trial.time.is_measured}});
     }
     return all;
 }
 
-std::string sentence_of(const TuningResult& result, const Speedup& speedup) {
-    const MethodLabel& base = result.methods[speedup.method].base;
-    const char* start = base.values.empty() ? "its defaults" : "the defaults of all other parameters";
-    if (is_same(speedup.best->label, base)) return fmt::format("{} is fastest with {}", base.text(), start);
-    if (!speedup.factor)
-        return fmt::format("{} is at least {} times faster than with {}, which do not reach {} in {} s", base.text(),
-                           short_number(*speedup.at_least), start, result.target, short_number(result.final_budget));
-    return fmt::format("{} is {} times faster than with {}{}", base.text(), with_interval(*speedup.factor), start,
-                       holds_one(*speedup.factor) ? ", which cannot be told apart" : "");
+json parameters_of(const SearchSpace& space) {
+    json all = json::array();
+    for (const TuningAxis& axis : space.axes())
+        for (const Parameter& p : find_method(space.base().name).parameters)
+            if (p.name == axis.name)
+                all.push_back({{"name", axis.name},
+                               {"unit", p.unit},
+                               {"sentence", p.sentence},
+                               {"words", axis.words.empty() ? json(nullptr) : json(axis.words)}});
+    return all;
 }
 
-std::string label_to_paste(const TuningResult& result) {
-    const FinalSetting& best = result.best();
-    const auto passes = passes_to(best.cells, result.target_error);
-    return passes ? with_value(best.label, "spp", std::to_string(*passes)).text() : best.label.text();
+}  // namespace
+
+const FinalSetting* TuningResult::best() const {
+    for (const FinalSetting& f : finals)
+        if (f.role == FinalSetting::best && f.verdict.state == Verdict::measured) return &f;
+    return nullptr;
+}
+
+std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other) {
+    if (setting == space.defaults()) return "the defaults";
+    std::vector<std::string> words;
+    for (std::size_t d = 0; d < space.axes().size(); ++d)
+        if (const auto value = space.effective(setting, d); value && value != space.effective(other, d))
+            words.push_back(space.axes()[d].name + "=" + space.axes()[d].text(*value));
+    return fmt::format("{}", fmt::join(words, " "));
+}
+
+std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
+    if (setting.verdict.state == Verdict::no_image) return "not measured";
+    if (setting.verdict.state != Verdict::measured) {
+        const double factor = setting.budget / best.verdict.seconds.value;
+        return factor > 1 ? fmt::format("over {} times as long", short_number(factor)) : "not reached";
+    }
+    const SampleMean a = sample_mean(setting.verdict.log_times), b = sample_mean(best.verdict.log_times);
+    Estimate factor{std::exp(a.value - b.value), std::nullopt};
+    if (setting.verdict.runs > 1 && best.verdict.runs > 1) {
+        const double half = half_width({a.variance, b.variance}, interval_tail);
+        factor.interval = Interval{factor.value * std::exp(-half), factor.value * std::exp(half)};
+    }
+    const bool is_tie = !factor.interval || (factor.interval->lo <= 1 && factor.interval->hi >= 1);
+    return fmt::format("{} times as long{}", with_interval(factor), is_tie ? ", cannot be told from the best" : "");
+}
+
+std::string label_to_paste(const TuningResult& result, const FinalSetting& f) {
+    const MethodLabel label = result.label(f);
+    return f.verdict.passes > 0 ? with_value(label, "spp", std::to_string(f.verdict.passes)).text() : label.text();
+}
+
+std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
+    const Verdict& verdict = f.verdict;
+    const std::string end =
+        fmt::format("{} % after {} s", percent(verdict.error), short_number(verdict.seconds_of_error));
+    const std::string runs = !f.is_fresh ? ", by the run that chose it" : verdict.runs == 1 ? ", one run" : "";
+    const auto& interval = verdict.seconds.interval;
+    switch (verdict.state) {
+        case Verdict::measured:
+            return fmt::format("{} after {} s, measured{}", result.target, with_interval(verdict.seconds), runs);
+        case Verdict::extrapolated:
+            if (interval && std::isinf(interval->hi))
+                return fmt::format("{} after at least {} s, extrapolated from {}{}", result.target,
+                                   short_number(interval->lo), end, runs);
+            return fmt::format("{} after {} s, extrapolated from {}{}", result.target, with_interval(verdict.seconds),
+                               end, runs);
+        case Verdict::not_reachable:
+            return fmt::format("{} is not reachable: floor {} %, {}{}", result.target,
+                               with_interval(verdict.floor, percent), end, runs);
+        case Verdict::no_image:
+            break;
+    }
+    return "no run was measured";
+}
+
+std::vector<std::string> tuning_lines(const TuningResult& result) {
+    const FinalSetting* best = result.best();
+    if (!best) return {};
+    std::vector<std::string> lines = {fmt::format("seconds to {}: {}, {} fresh seeds, 95 % interval", result.target,
+                                                  with_interval(best->verdict.seconds), best->verdict.runs)};
+    for (const auto& [error, seconds] : result.along_the_way)
+        lines.push_back(fmt::format("seconds to {:g} %: {}", 100 * error, with_interval(seconds)));
+    for (const FinalSetting& of_method : result.finals) {
+        if (of_method.role != FinalSetting::best || of_method.verdict.state != Verdict::measured) continue;
+        const SearchSpace& space = result.methods[of_method.method].space;
+        for (const FinalSetting& f : result.finals)
+            if (f.method == of_method.method && f.role != FinalSetting::best)
+                lines.push_back(fmt::format("{} with {}: {}", space.base().text(),
+                                            difference(space, f.setting, of_method.setting),
+                                            factor_text(f, of_method)));
+    }
+    return lines;
+}
+
+std::string tuning_text(const TuningResult& result) {
+    std::string text;
+    if (const FinalSetting* best = result.best()) text += label_to_paste(result, *best) + "\n";
+    for (const auto& line : tuning_lines(result))
+        text += line + "\n";
+    for (const auto& note : result.notes)
+        text += "cut: " + note + "\n";
+    for (const FinalSetting& f : result.finals)
+        if (f.role == FinalSetting::best)
+            text += fmt::format("{}: {}\n", label_to_paste(result, f), verdict_text(result, f));
+    return text;
+}
+
+std::string tuning_json(const TuningResult& result) {
+    json methods = json::array(), best = nullptr;
+    for (const FinalSetting& f : result.finals) {
+        if (f.role != FinalSetting::best) continue;
+        if (&f == result.best()) best = methods.size();
+        const TunedMethod& method = result.methods[f.method];
+        const Interval interval = f.verdict.seconds.interval.value_or(Interval{NAN, NAN});
+        methods.push_back({{"base", method.space.base().text()},
+                           {"label", result.label(f).text()},
+                           {"paste", label_to_paste(result, f)},
+                           {"state", state_names[f.verdict.state]},
+                           {"verdict", verdict_text(result, f)},
+                           {"seconds", number_to_json(f.verdict.seconds.value)},
+                           {"lo", number_to_json(interval.lo)},
+                           {"hi", number_to_json(interval.hi)},
+                           {"parameters", parameters_of(method.space)},
+                           {"settings", settings_of(method)}});
+    }
+    const json all = {{"scene", result.scene},         {"target", result.target}, {"used_seconds", result.used_seconds},
+                      {"minutes", result.minutes},     {"methods", methods},      {"best", best},
+                      {"lines", tuning_lines(result)}, {"cuts", result.notes}};
+    return all.dump(1) + "\n";
 }
 
 }  // namespace gib

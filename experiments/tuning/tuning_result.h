@@ -1,80 +1,71 @@
 #pragma once
-// The findings of a tuning, and the numbers that its text and its page show.
+// The findings of a tuning, as text and as the file from which the report's section is made.
 
-#include "experiments/metrics/student_t.h"
-#include "experiments/results/result_folder.h"
 #include "experiments/tuning/halving_search.h"
+#include "experiments/tuning/time_estimate.h"
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace gib {
 
 /// The search among the settings of one method.
 struct TunedMethod {
-    MethodLabel base;  ///< label as asked for: the defaults beside its own values
-    std::vector<TuningAxis> axes;
-    std::vector<Trial> trials;  ///< all settings that were measured, the best first
+    SearchSpace space;
+    bool is_unbiased = false;        ///< it leaves out nothing either, so that its error has no floor
+    std::vector<Trial> trials = {};  ///< all settings that were measured, the best first
 };
 
-/// A label of the final measurement.
+/// A setting with its final runs, by seeds that have chosen nothing.
 struct FinalSetting {
-    MethodLabel label;
-    std::size_t method;       ///< index of its TunedMethod
-    std::vector<Cell> cells;  ///< cells of the fresh seeds
-    /// Natural logarithms of the seconds to the target; empty: not all runs have reached it, or there are fewer than two.
-    std::vector<double> log_times = {};
-    SampleMean mean{0, {0, 1}};  ///< mean of log_times
+    std::size_t method;  ///< index of its TunedMethod
+    Setting setting;
+    enum Role { best, defaults, neighbour } role = neighbour;  ///< why it has final runs
+    double budget = 0;                                         ///< longest time of a run [s]
+    Verdict verdict = {};
+    bool is_fresh = true;  ///< false: no time was left for final runs, and the verdict is that of the search's run
 };
 
 struct TuningResult {
     std::string scene;        ///< name
     std::string target;       ///< relative RMSE, as asked for
     double target_error = 0;  ///< the same as a share
-    double final_budget = 0;  ///< seconds of each final run
     double minutes = 0;       ///< time that was asked for
     double used_seconds = 0;  ///< time that reference, search and final runs took
     std::vector<TunedMethod> methods = {};
-    std::vector<FinalSetting> finals = {};  ///< the best first, those that have not reached the target last
-    std::vector<std::string> notes = {};    ///< steps that were cut short for lack of time
+    /// The best setting of each method stands before all others, in the order that the seeds before have given.
+    std::vector<FinalSetting> finals = {};
+    std::vector<std::pair<double, Estimate>> along_the_way = {};  ///< seconds of the best setting to other errors
+    std::vector<std::string> notes = {};                          ///< steps that were cut short for lack of time
 
-    bool has_best() const { return !finals.empty() && !finals.front().log_times.empty(); }
-    const FinalSetting& best() const { return finals.front(); }
+    MethodLabel label(const FinalSetting& f) const { return methods[f.method].space.label(f.setting); }
+    /// The first of the methods' best settings that has reached the target; null: none has.
+    const FinalSetting* best() const;
 };
 
-/// Seconds to the target with the 95 % interval of the mean in the logarithm (Student's t). `f` has reached it.
-Estimate seconds_of(const FinalSetting& f);
+/// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
+std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other);
 
-/// The factor by which a setting takes longer than `best`, with its 95 % interval. Both have reached the target.
-Estimate factor_between(const FinalSetting& other, const FinalSetting& best);
-/// Whether the interval of a factor holds 1.
-inline bool holds_one(const Estimate& factor) { return factor.interval->lo <= 1 && factor.interval->hi >= 1; }
+/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over 3.00 times
+/// as long".
+std::string factor_text(const FinalSetting& setting, const FinalSetting& best);
 
-/// Errors for which the time of the best setting is shown, too, as shares.
-inline constexpr double errors_along_the_way[] = {0.10, 0.05, 0.02, 0.01};
-/// The seconds of the best setting to these errors, for those that all of its runs have reached.
-std::vector<std::pair<double, Estimate>> times_along_the_way(const TuningResult& result);
+/// The label of a setting with the samples a pixel that its verdict names.
+std::string label_to_paste(const TuningResult& result, const FinalSetting& f);
 
-/// The words for what a label changes of the best one: "photons halved", "the defaults", "cache=on"; empty for another
-/// method or for several changes.
-std::string change_of(const TuningResult& result, const FinalSetting& other);
+/// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % is not
+/// reachable: floor 16.1 % (15.8 to 16.4), 16.3 % after 3 s".
+std::string verdict_text(const TuningResult& result, const FinalSetting& f);
 
-/// The gain of the best settings of a method over its defaults.
-struct Speedup {
-    std::size_t method;                   ///< index
-    const FinalSetting* best;             ///< best setting of this method
-    std::optional<Estimate> factor = {};  ///< the defaults' time over the best one's
-    /// A lower bound of the factor where the defaults have not reached the target in their runs.
-    std::optional<double> at_least = {};
-};
-/// One for each method that has something to vary, has reached the target and whose defaults were measured.
-std::vector<Speedup> speedups(const TuningResult& result);
-/// The same as a sentence: "photon_mapper is 3.4 (2.9 to 4.0) times faster than with its defaults".
-std::string sentence_of(const TuningResult& result, const Speedup& speedup);
+/// The label of the best setting, if one has reached the target, with its times; the other settings beside the best one of
+/// their method; what was cut; and at the end a line with the verdict of each method.
+std::string tuning_text(const TuningResult& result);
 
-/// The label of the best setting with the samples a pixel that the target takes.
-std::string label_to_paste(const TuningResult& result);
+/// tune.json, of which report/tuning_section.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
+/// "methods": [{"base": label as asked for, "label", "paste", "state", "verdict", "seconds", "lo" and "hi": null if they
+/// are not known, "parameters": [{"name", "unit", "sentence", "words": [...] or null}], "settings": [{"label", "values":
+/// [number, word, or null without effect], "seconds": null if never, "measured": by the curve, not by its law}]}],
+/// "best": index of a method or null, "lines": of the text, "cuts": [...]}
+std::string tuning_json(const TuningResult& result);
 
 }  // namespace gib

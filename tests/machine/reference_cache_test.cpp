@@ -10,7 +10,6 @@
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
-#include "experiments/run/run_plan.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/source_path.h"
@@ -417,14 +416,6 @@ TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
     EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "1e8 rays and samples";
     long_rounds.work *= 100;
     EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "an eighth of what is done";
-}
-
-TEST(SharedOut, PartsAreEvenAndKeepTheOrder) {
-    const std::vector<int> things = {0, 1, 2, 3, 4, 5, 6};
-    const auto parts = shared_out(things, 3);
-    EXPECT_THAT(parts, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 3), ElementsAre(4, 5, 6)));
-    EXPECT_EQ(shared_out(things, 100).size(), things.size());
-    EXPECT_TRUE(shared_out(std::vector<int>(), 3).empty());
 }
 
 }  // namespace

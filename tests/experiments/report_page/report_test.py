@@ -1,4 +1,4 @@
-"""Clicks through report.html and tune.html in headless Chromium: report_test.py GIBENCH [options of unittest].
+"""Clicks through report.html, that of a tuning too, in headless Chromium: report_test.py GIBENCH [options of unittest].
 
 Screenshots go to the folder that the variable GIB_SCREENSHOTS names. Exit code 77: skipped.
 """

@@ -14,18 +14,20 @@ from browser_case import BrowserCase, LAPTOP, PHONE
 
 METHOD = "photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5 direct_samples=1"  # only k varies
 # Settings as (photons, gather, cache, seconds, measured); times that a run finds would depend on the machine.
-SETTINGS = [(1e3, 0, "", 9.0, True), (1e4, 16, "off", 4.0, True), (2e4, 32, "on", 1.5, True), (5e4, 64, "on", 1.0, True),
-            (1e5, 64, "on", 2.5, True), (2e5, 0, "", 1.2, True), (1e6, 512, "off", 7.0, True), (3e4, 16, "on", 0.5, False),
+SETTINGS = [(1e3, 0, None, 9.0, True), (1e4, 16, "off", 4.0, True), (2e4, 32, "on", 1.5, True), (5e4, 64, "on", 1.0, True),
+            (1e5, 64, "on", 2.5, True), (2e5, 0, None, 1.2, True), (1e6, 512, "off", 7.0, True), (3e4, 16, "on", 0.5, False),
             (4e5, 256, "off", 11.0, False), (1e4, 512, "on", None, False)]
 
 
-def known_numbers(label):
-    settings = [{"label": f"{label} {i}", "values": [str(int(photons)), str(gather), cache], "seconds": seconds,
-                 "measured": measured} for i, (photons, gather, cache, seconds, measured) in enumerate(SETTINGS)]
-    parameters = [{"name": name, "unit": unit, "sentence": "", "words": words} for name, unit, words in
-                  (("photons", "photons", None), ("gather", "rays", None), ("cache", "", ["off", "on"]))]
-    best = dict(settings[3], method=0, paste=label, seconds_lo=0.9, seconds_hi=1.1)
-    return {"target": "20%", "methods": [label], "best": best, "tuned": [{"parameters": parameters, "settings": settings}]}
+def known_numbers(numbers):
+    """The numbers of a report with these settings as those of its search."""
+    method = numbers["tuning"]["methods"][0]
+    method["settings"] = [{"label": f"{METHOD} {i}", "values": [photons, gather, cache], "seconds": seconds,
+                           "measured": measured} for i, (photons, gather, cache, seconds, measured) in enumerate(SETTINGS)]
+    method["parameters"] = [{"name": name, "unit": unit, "sentence": "", "words": words} for name, unit, words in
+                            (("photons", "photons", None), ("gather", "rays", None), ("cache", "", ["off", "on"]))]
+    method["label"] = f"{METHOD} 3"
+    return numbers
 
 
 @functools.cache
@@ -33,16 +35,16 @@ def tuned(program):
     """The folder of a small tuning; it exists until the process ends."""
     parent = tempfile.TemporaryDirectory()
     out = os.path.join(parent.name, "tuning")
-    run = subprocess.run([program, "tune", f"{fixture.ROOT}/scenes/cornell-box.xml", "--target", "90%", "--minutes", "0.8",
+    run = subprocess.run([program, "tune", f"{fixture.ROOT}/scenes/cornell-box.xml", "--target", "90%", "--minutes", "0.4",
                           "--resolution", "16x16", "--method", METHOD, "--out", out],
                          cwd=parent.name, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    with open(os.path.join(out, "tune.html"), encoding="utf-8") as file:
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
         page = file.read()
-    numbers = json.dumps(known_numbers(METHOD)).replace("\\", "\\\\")
-    known = re.sub(r'(id="report-data">).*?(</script>)', rf"\1{numbers}\2", page, count=1, flags=re.DOTALL)
+    data = re.compile(r'(id="report-data">)(.*?)(</script>)', re.DOTALL)
+    numbers = json.dumps(known_numbers(json.loads(data.search(page).group(2))))
     with open(os.path.join(out, "known.html"), "w", encoding="utf-8") as file:
-        file.write(known)
+        file.write(data.sub(lambda found: found.group(1) + numbers + found.group(3), page, count=1))
     return parent, out, run.stdout
 
 
@@ -62,7 +64,7 @@ class TunePageTest(BrowserCase):
 
     def chart(self, heading):
         return self.script("""
-            const box = [...document.querySelectorAll(".charts > div")]
+            const box = [...document.querySelectorAll(".tuned .charts > div")]
               .find((b) => b.querySelector("h3").textContent === arguments[0]);
             const chart = Chart.getChart(box.querySelector("canvas"));
             return chart && {x: chart.options.scales.x.type, y: chart.options.scales.y.type,
@@ -70,15 +72,15 @@ class TunePageTest(BrowserCase):
               sets: chart.data.datasets.map((d) => d.data.map((p) => [p.x, p.y]))}""", heading)
 
     def test_the_label_to_paste_stands_first(self):
-        self.open(LAPTOP, page="tune.html")
+        self.open(LAPTOP, page="report.html")
         label = self.printed.splitlines()[0]
-        self.assertEqual(self.numbers["best"]["paste"], label)
+        self.assertEqual(self.numbers["methods"][self.numbers["best"]]["paste"], label)
         self.assertEqual(self.driver.find_element(By.CSS_SELECTOR, ".paste code").text, label)
-        self.assertEqual([h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".charts h3")], ["k"])
+        self.assertEqual([h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".tuned .charts h3")], ["k"])
         self.assertTrue(any(self.chart("k")["sets"]), "the settings of the search are there")
 
     def test_a_chart_shows_every_setting_that_reaches_the_target_over_each_parameter(self):
-        headings = [h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".charts h3")]
+        headings = [h.text for h in self.driver.find_elements(By.CSS_SELECTOR, ".tuned .charts h3")]
         self.assertEqual(headings, ["photons", "gather", "cache"])
         chart = self.chart("photons")
         self.assertEqual((chart["x"], chart["y"]), ("logarithmic", "logarithmic"))
@@ -101,7 +103,7 @@ class TunePageTest(BrowserCase):
         for name, size in (("laptop", LAPTOP), ("phone", PHONE)):
             for scheme in ("light", "dark"):
                 self.open(size, scheme)
-                for place in ("header", ".tuned", "main > :last-child"):
+                for place in ("header", ".tuned"):
                     self.script("arguments[0].scrollIntoView({block: 'start'})", self.find(place))
                     self.shot(f"tune-{name}-{scheme}-{place.strip('.').split(' ')[0]}")
                 grounds.add(self.script("return getComputedStyle(document.body).backgroundColor"))
@@ -109,6 +111,6 @@ class TunePageTest(BrowserCase):
         self.assertEqual(len(grounds), 2)
 
     def test_without_scripts_the_numbers_can_be_read(self):
-        text = self.text_without_scripts(os.path.join(self.results, "tune.html"))
-        for words in ("Cheapest settings: cornell-box to 90%", "to paste", "seconds, 95 % interval"):
+        text = self.text_without_scripts(os.path.join(self.results, "report.html"))
+        for words in ("The cheapest settings for 90%", "To paste", "measured", "seconds to 90%"):
             self.assertIn(words, text)

@@ -1,60 +1,34 @@
-// The times of a tuning: how the final runs fit into what is left, times to an error from one run (measured, by the law, or
-// never), and the clock, with a time that the test sets.
-#include "experiments/tuning/final_plan.h"
+// The times of a tuning: to an error from one run, the verdict of several runs (measured, extrapolated, not reachable), and
+// how the final runs share what is left.
+#include "experiments/tuning/final_budgets.h"
 #include "experiments/tuning/time_estimate.h"
-#include "experiments/tuning/tuning_clock.h"
 
-#include "common/core/files.h"
-#include "tests/support/driver_fixtures.h"
+#include "tests/support/matchers.h"
 #include "tests/support/table_fixtures.h"
 
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <random>
 
 namespace gib::test::tuning_time_test {
 namespace {
 
-/// Seconds of all runs of so many seeds.
-double cost(const FinalPlan& plan, const FinalNeeds& needs, int seeds) {
-    return static_cast<double>(plan.labels) * seeds * (plan.budget + needs.besides);
-}
-FinalNeeds needs_of(std::size_t least, double left, double shortest) {
-    return {.labels = 10, .least = least, .seeds = 6, .left = left, .besides = 0.5, .shortest = shortest};
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+TEST(SharedSeconds, AreWhatIsWantedWhereThereIsEnough) {
+    EXPECT_THAT(shared_seconds({3, 1, 2}, 100, 0.5), ElementsAre(3, 1, 2));
 }
 
-TEST(FinalPlan, RunsNoLongerThanThreeTimesTheShortest) {
-    const FinalPlan plan = plan_finals(needs_of(2, 1000, 2));
-    EXPECT_EQ(plan.labels, 10u);
-    EXPECT_DOUBLE_EQ(plan.budget, 6);
+TEST(SharedSeconds, AreEvenForThoseThatWantMore) {
+    const auto shares = shared_seconds({1000, 1, INFINITY, 2}, 25, 0.5);
+    EXPECT_THAT(shares, ElementsAre(10, 1, 10, 2)) << "23 s beside 4 times 0.5 s";
 }
 
-TEST(FinalPlan, LeavesOutTheLeastImportantLabels) {
-    const FinalNeeds needs = needs_of(2, 105, 2);
-    const FinalPlan plan = plan_finals(needs);
-    EXPECT_EQ(plan.labels, 5u) << "105 s are 5 labels with 6 seeds of 3 s and 0.5 s";
-    EXPECT_GE(plan.budget, 3);
-    EXPECT_LE(cost(plan, needs, 6), 105 + 1e-9);
-}
-
-TEST(FinalPlan, KeepsTheLeastWithFewerSeeds) {
-    const FinalNeeds needs = needs_of(4, 50, 2);
-    const FinalPlan plan = plan_finals(needs);
-    EXPECT_EQ(plan.labels, 4u);
-    EXPECT_DOUBLE_EQ(plan.budget, 3) << "the seeds that do not fit are cut by the clock";
-    EXPECT_LE(cost(plan, needs, 3), 50);
-}
-
-TEST(FinalPlan, NeverAsksForMoreThanIsLeft) {
-    const FinalNeeds needs = needs_of(4, 50, 100);
-    EXPECT_LE(cost(plan_finals(needs), needs, 3), 50 + 1e-9);
-    EXPECT_GT(plan_finals(needs_of(4, 0, 100)).budget, 0);
-}
-
-TEST(FinalPlan, SharesTheTimeAmongTheLeastIfNothingIsKnown) {
-    const FinalNeeds needs = needs_of(4, 60, std::numeric_limits<double>::infinity());
-    const FinalPlan plan = plan_finals(needs);
-    EXPECT_EQ(plan.labels, 4u);
-    EXPECT_NEAR(cost(plan, needs, 6), 60, 1e-9);
+TEST(SharedSeconds, EndInTime) {
+    for (const double seconds : {1.0, 10.0, 100.0})
+        EXPECT_LE(sum(shared_seconds({0.5, 7, 40, INFINITY}, seconds, 0.1)) + 4 * 0.1, seconds + 1e-9) << seconds;
+    EXPECT_GT(shared_seconds({3}, 0, 1).front(), 0) << "one pass always completes";
 }
 
 /// rel_mse = floor + 1 / (seconds - 0.5), after 1, 2, 4, ... passes of 1 s each.
@@ -71,10 +45,6 @@ TEST(TimeEstimate, IsTheCrossingWhereTheTargetWasReached) {
     const TimeEstimate time = estimated_time(run_with_floor(0, 8), 0.25);
     EXPECT_TRUE(time.is_measured);
     EXPECT_NEAR(time.seconds, 16.5, 1e-9);
-    EXPECT_EQ(passes_to({run_with_floor(0, 8), run_with_floor(0, 8)}, 0.25), 16u);
-    EXPECT_EQ(log_times({run_with_floor(0, 8)}, 0.25).size(), 1u);
-    EXPECT_TRUE(log_times({run_with_floor(0, 8), run_with_floor(0, 3)}, 0.25).empty())
-        << "one of the runs does not reach it";
 }
 
 TEST(TimeEstimate, IsExtrapolatedByTheLaw) {
@@ -110,71 +80,86 @@ TEST(TimeEstimate, CostsBeyondTheHorizonWhatTheErrorThereSays) {
     EXPECT_NEAR(estimated_time(run_with_floor(0, 2), 0.1, 1).cost(), 2.5 * 0.5 / 0.01, 1e-6);
 }
 
-class TuningClockTest : public ::testing::Test {
-protected:
-    TuningClock clock() {
-        return TuningClock(folder_ / "clock.json", [this] { return now_; });
+/// A run in which the squared error is (floor + 1 / passes) f, after 1, 2, 4, ... passes of `pace` seconds.
+Cell run_at(double pace, double floor, int checkpoints, double f = 1) {
+    Cell cell;
+    std::uint32_t passes = 1;
+    for (int i = 0; i < checkpoints; ++i, passes *= 2)
+        cell.checkpoints.push_back(checkpoint_of(passes, pace * passes, (floor + 1.0 / passes) * f));
+    return cell;
+}
+
+TEST(Verdict, IsMeasuredWhereEveryRunHasReachedTheTarget) {
+    const Verdict v = verdict_of({run_at(1, 0, 8), run_at(1.1, 0, 8)}, 0.25, false);
+    EXPECT_EQ(v.state, Verdict::measured);
+    EXPECT_NEAR(v.seconds.value, 16 * std::sqrt(1.1), 1e-9);
+    EXPECT_EQ(v.passes, 16u);
+    EXPECT_EQ(v.log_times.size(), 2u);
+    ASSERT_TRUE(v.seconds.interval);
+    EXPECT_LT(v.seconds.interval->lo, v.seconds.value);
+    EXPECT_NEAR(v.error, 1 / std::sqrt(128), 1e-9);
+    const Verdict one = verdict_of({run_at(1, 0, 8)}, 0.25, false);
+    EXPECT_EQ(one.state, Verdict::measured) << "one run is enough to have reached it";
+    EXPECT_FALSE(one.seconds.interval);
+}
+
+TEST(Verdict, IsExtrapolatedWhereARunHasNot) {
+    const std::vector<Cell> runs = {run_at(1, 0, 8), run_at(1, 0, 3), run_at(1, 0, 4)};
+    const Verdict v = verdict_of(runs, 0.25, true);
+    EXPECT_EQ(v.state, Verdict::extrapolated);
+    EXPECT_NEAR(v.seconds.value, 16, 1e-6) << "all runs have the same law";
+    EXPECT_EQ(v.passes, 16u);
+}
+
+TEST(Verdict, IsNotReachableBelowAFloorThatTheRunsShow) {
+    std::vector<Cell> runs;
+    for (const double f : {0.98, 0.99, 1.0, 1.01, 1.02})
+        runs.push_back(run_at(1, 0.0256, 8, f));
+    const Verdict v = verdict_of(runs, 0.02, false);
+    ASSERT_EQ(v.state, Verdict::not_reachable);
+    EXPECT_NEAR(v.floor.value, 0.16, 0.01);
+    ASSERT_TRUE(v.floor.interval);
+    EXPECT_LT(v.floor.interval->lo, v.floor.value);
+    EXPECT_GT(v.floor.interval->hi, v.floor.value);
+    EXPECT_EQ(verdict_of(runs, 0.2, false).state, Verdict::measured) << "the floor lies below";
+}
+
+TEST(Verdict, OfConvergedRunsIsTheirError) {
+    std::vector<Cell> runs = {run_at(1, 0.01, 2), run_at(1, 0.01, 2, 1.1)};
+    for (Cell& run : runs)
+        run.converged = true;
+    EXPECT_EQ(verdict_of(runs, 0.1, false).state, Verdict::not_reachable);
+    EXPECT_NEAR(verdict_of(runs, 0.1, false).floor.value, std::sqrt(0.51) * (1 + std::sqrt(1.1)) / 2, 1e-9);
+}
+
+// A short run of a method that may be biased shows no floor, whatever it is: there is no upper end.
+TEST(Verdict, OfAFewPointsOfAMethodWithBiasHasNoUpperEnd) {
+    const Verdict v = verdict_of({run_at(1, 0.0256, 3), run_at(1, 0.0256, 3)}, 0.02, false);
+    ASSERT_EQ(v.state, Verdict::extrapolated);
+    ASSERT_TRUE(v.seconds.interval);
+    EXPECT_TRUE(std::isinf(v.seconds.interval->hi));
+    const Verdict unbiased = verdict_of({run_at(1, 0, 3), run_at(1, 0, 3, 1.2)}, 0.02, true);
+    ASSERT_TRUE(unbiased.seconds.interval);
+    EXPECT_TRUE(std::isfinite(unbiased.seconds.interval->hi)) << "the floor is known to be 0";
+}
+
+// 200 experiments with runs of 5 seeds, whose errors scatter by 10 %, and which end at twice the target.
+TEST(Verdict, ExtrapolatedIntervalsHoldTheTruth) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0, 0.1);
+    int held = 0;
+    for (int experiment = 0; experiment < 200; ++experiment) {
+        std::vector<Cell> runs;
+        for (int seed = 0; seed < 5; ++seed)
+            runs.push_back(run_at(1, 0, 7, std::exp(noise(random))));
+        const Verdict v = verdict_of(runs, 1 / 16.0, true);  // after 256 passes of 1 s
+        if (v.state != Verdict::extrapolated) continue;
+        held += v.seconds.interval->lo <= 256 && v.seconds.interval->hi >= 256;
     }
-    /// A round "a" of 3 s that an earlier program ended so.
-    void earlier_round(bool complete, bool cut = false) {
-        TuningClock c = clock();
-        c.begin("a", "content");
-        now_ += 3;
-        c.end(complete, cut);
-    }
-    TemporaryFolder folder_;
-    double now_ = 1000;
-};
-
-TEST_F(TuningClockTest, CountsRoundsAndNothingBetweenThem) {
-    TuningClock c = clock();
-    EXPECT_EQ(c.used(), 0);
-    c.begin("a", "content");
-    now_ += 3;
-    EXPECT_EQ(c.used(), 3);
-    c.end(true);
-    now_ += 100;
-    EXPECT_EQ(c.used(), 3);
-    c.begin("b", "content");
-    now_ += 2;
-    EXPECT_EQ(c.used(), 5);
+    EXPECT_GE(held, 180) << "of 200, with a coverage of 95 %";
 }
 
-TEST_F(TuningClockTest, ARoundThatWasDoneCountsAsItDidThen) {
-    earlier_round(true, true);
-    TuningClock c = clock();
-    c.begin("a", "content");
-    EXPECT_TRUE(c.was_done());
-    EXPECT_TRUE(c.was_cut());
-    now_ += 7;
-    EXPECT_EQ(c.used(), 3);
-    c.end(true);
-    EXPECT_EQ(c.used(), 3);
-}
-
-TEST_F(TuningClockTest, AnInterruptedRoundGoesOn) {
-    earlier_round(false);
-    TuningClock c = clock();
-    c.begin("a", "content");
-    EXPECT_FALSE(c.was_done());
-    now_ += 7;
-    EXPECT_EQ(c.used(), 10);
-}
-
-TEST_F(TuningClockTest, OtherContentAndLostResultsBeginAgain) {
-    earlier_round(true);
-    TuningClock other = clock();
-    other.begin("a", "other content");
-    EXPECT_FALSE(other.was_done());
-    EXPECT_EQ(other.used(), 0);
-    TuningClock lost = clock();
-    lost.begin("a", "content", false);
-    EXPECT_EQ(lost.used(), 0);
-    write_file(folder_ / "clock.json", "{\"a\": 3}");
-    TuningClock damaged = clock();
-    damaged.begin("a", "content");
-    EXPECT_EQ(damaged.used(), 0);
-}
+TEST(Verdict, WithoutARunThereIsNone) { EXPECT_EQ(verdict_of({}, 0.1, true).state, Verdict::no_image); }
 
 }  // namespace
 }  // namespace gib::test::tuning_time_test

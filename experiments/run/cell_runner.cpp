@@ -1,0 +1,237 @@
+#include "experiments/run/cell_runner.h"
+
+#include "common/core/files.h"
+#include "common/images/image_digest.h"
+#include "common/images/image_file.h"
+#include "experiments/external/external_cell.h"
+#include "experiments/results/flip_record.h"
+#include "experiments/results/frames.h"
+#include "experiments/results/manifest.h"
+#include "experiments/system/file_lock.h"
+#include "experiments/system/interrupt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The work folder of a cell, which is removed with this object: on a full disk, what a failed cell left there would
+/// take the space of all others.
+class WorkFolder {
+public:
+    explicit WorkFolder(std::string path) : path_(std::move(path)) {
+        fs::remove_all(path_);
+        ResultFolder::make(path_);
+    }
+    ~WorkFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+    const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+/// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its name,
+/// because some programs cannot take a path with `=`.
+std::string work_folder_of(const WorkCell& cell, const ResultFolder& folder) {
+    return cell.external ? folder.file("command-" + cell.identity.key().substr(0, 12)) : folder.work_folder(cell.name);
+}
+
+}  // namespace
+
+void CellRunner::run(const WorkCell& cell, const PassObserver& observer) {
+    try {
+        if (cell.identity.reference.empty()) throw RunError("the scene has no reference");
+        ResultFolder::make(folder_.cell_folder(cell.name));
+        const auto lock = FileLock::if_free(folder_.cell_folder(cell.name) + "/.lock");
+        if (!lock || folder_.read_cell(cell.name, cell.identity.key())) return;
+        measure(cell, observer);
+    } catch (const Interrupted&) {
+        throw;
+    } catch (const std::exception& error) {
+        log_.fail(cell.text(), error.what());
+        keep_failure(cell.name, error.what());
+    }
+}
+
+void CellRunner::keep_failure(const std::string& cell, const std::string& message) {
+    try {
+        ResultFolder::make(folder_.cell_folder(cell));
+        write_file(folder_.failure_file(cell), message + "\n");
+    } catch (const std::exception& error) {
+        log_.progress.message(fmt::format("warning: the message is not kept: {}", error.what()));
+    }
+}
+
+void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
+    if (referred_ != cell.identity.reference) {
+        referred_.clear();
+        judgement_.reset();
+        reference_.reset();
+        reference_ = read_reference(folder_.reference_image(cell.identity.scene));
+        judgement_.emplace(*reference_);
+        referred_ = cell.identity.reference;
+    }
+    const std::string folder = folder_.cell_folder(cell.name);
+    if (cell.external && judgement_->leaves_out_components())
+        throw RunError(
+            "the reference does not resolve some components, and the image of another renderer has none, so that "
+            "the rest of it cannot be judged");
+    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    fs::remove(folder_.failure_file(cell.name));
+    forget_flip(folder_, cell.name);
+    forget_frames(folder_, cell.name);
+    const WorkFolder work(work_folder_of(cell, folder_));
+    const Cell record = judged(cell, render(cell, work.path(), observer), work.path());
+    folder_.write_cell(cell.name, record);
+    if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
+        log_.progress.message(fmt::format(
+            "warning: {}, {}: {} samples were not finite and were dropped; first: seed {}, pass {}, pixel {}",
+            record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
+}
+
+CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_folder,
+                              const PassObserver& observer) const {
+    const RunScene& scene = setup_.scenes[cell.scene];
+    const CellIdentity& identity = cell.identity;
+    if (!cell.external)
+        return run_cell_process(setup_.program,
+                                {.scene_path = scene.entry.path,
+                                 .resolution = setup_.experiment.resolution,
+                                 .folders = setup_.experiment.paths,
+                                 .scene_hash = identity.scene_hash,
+                                 .method = identity.method,
+                                 .seed = identity.seed,
+                                 .budget = identity.budget,
+                                 .threads = setup_.threads,
+                                 .work_folder = work_folder},
+                                observer);
+    const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
+    const ExternalCell external{.method = *cell.external,
+                                .scene_file = scene.entry.path,
+                                .scene_text = in_povray_form ? scene.povray : "",
+                                .folder = fs::path(fs::absolute(setup_.experiment.path)).parent_path().string(),
+                                .width = scene.width,
+                                .height = scene.height,
+                                .seed = identity.seed,
+                                .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
+                                .seconds = identity.budget.seconds,
+                                .threads = setup_.threads,
+                                .cell_folder = folder_.cell_folder(cell.name),
+                                .work_folder = work_folder};
+    return run_external_cell(setup_.program, external);
+}
+
+Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const {
+    const Measurement& measured = timing.measurement;
+    Cell record;
+    record.scene = cell.identity.scene;
+    record.method = cell.identity.method;
+    record.seed = cell.identity.seed;
+    record.key = cell.identity.key();
+    record.build = setup_.build;
+    record.load_seconds = timing.load_seconds;
+    record.prepare_seconds = measured.prepare_seconds;
+    record.converged = measured.converged;
+    record.stages = measured.stages;
+    record.cpu = cpu_model();
+    const double epsilon = judgement_->epsilon(setup_.experiment.epsilon);
+    for (const auto& checkpoint : measured.checkpoints) {
+        const LayeredImage image = read_image(checkpoint_image(work_folder, checkpoint.passes));
+        record.checkpoints.push_back({checkpoint, judgement_->errors(image, epsilon)});
+        if (keeps_frame(record.seed, checkpoint.passes, measured.checkpoints.back().passes))
+            write_frame(folder_, cell.name, checkpoint.passes, judgement_->total_of(image));
+    }
+    LayeredImage image = read_image(checkpoint_image(work_folder, record.last().passes));
+    image.metadata.clear();
+    if (!cell.external) image = layers_of(components_in(image));
+    write_exr(folder_.cell_image(cell.name), image);
+    record.image = image_digest(image);
+    record.image_file = file_hash(folder_.cell_image(cell.name));
+    return record;
+}
+
+namespace {
+
+/// Estimates the seconds that a cell takes: those of the last one of its scene and method, else the mean of all.
+class CostModel {
+public:
+    void add(const CellIdentity& cell, double seconds) {
+        known_[{cell.scene, cell.method}] = seconds;
+        sum_ += seconds;
+        ++count_;
+    }
+    std::optional<double> of(const CellIdentity& cell) const {
+        if (const auto found = known_.find({cell.scene, cell.method}); found != known_.end()) return found->second;
+        return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
+    }
+    /// The seconds of cells from number `first` on; empty if one is not known.
+    std::optional<double> of(const std::vector<const WorkCell*>& cells, std::size_t first) const {
+        double all = 0;
+        for (std::size_t i = first; i < cells.size(); ++i) {
+            const auto one = of(cells[i]->identity);
+            if (!one) return std::nullopt;
+            all += *one;
+        }
+        return all;
+    }
+
+private:
+    std::map<std::pair<std::string, std::string>, double> known_;
+    double sum_ = 0;
+    int count_ = 0;
+};
+
+/// The share of a cell's work that is done, by the limit (spp, passes or seconds) that is nearest.
+double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
+    const auto done = static_cast<double>(passes);
+    double share = done / cell.spp;
+    if (cell.budget.passes) share = std::max(share, done / *cell.budget.passes);
+    if (cell.budget.seconds) share = std::max(share, seconds / *cell.budget.seconds);
+    return std::min(share, 1.0);
+}
+
+}  // namespace
+
+void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
+               const StopRule& stop) {
+    using clock = std::chrono::steady_clock;
+    CostModel costs;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (stop.seconds_left && !(stop.seconds_left() > 0)) {
+            progress.message(fmt::format("no time is left for {} cells", cells.size() - i));
+            break;
+        }
+        const WorkCell& cell = *cells[i];
+        const auto show = [&](std::uint32_t passes, double seconds) {
+            const double share = share_done(cell.identity, passes, seconds);
+            auto left = passes > 0 ? std::optional(seconds * (1 / share - 1)) : costs.of(cell.identity);
+            // Cells for which no time will be left do not count.
+            auto after = costs.of(cells, i + 1);
+            if (after && stop.seconds_left)
+                after = std::min(*after, std::max(0.0, stop.seconds_left() - left.value_or(0)));
+            if (left && after) *left += *after;
+            progress.update((static_cast<double>(i) + share) / static_cast<double>(cells.size()),
+                            after ? left : std::nullopt,
+                            fmt::format("cell {} of {}: {}", i + 1, cells.size(), cell.text()));
+        };
+        const auto start = clock::now();
+        show(0, 0);
+        runner.run(cell, show);
+        const double seconds = std::chrono::duration<double>(clock::now() - start).count();
+        costs.add(cell.identity, seconds);
+        if (stop.spent) stop.spent(cell, seconds);
+    }
+}
+
+}  // namespace gib

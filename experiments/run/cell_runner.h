@@ -1,0 +1,56 @@
+#pragma once
+// Measures cells one after another, judges their images and stores them.
+
+#include "experiments/measuring/cell_process.h"
+#include "experiments/results/judgement.h"
+#include "experiments/run/run_log.h"
+#include "experiments/run/work_list.h"
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gib {
+
+class CellRunner {
+public:
+    CellRunner(const RunSetup& setup, const ResultFolder& folder, RunLog& log)
+        : setup_(setup), folder_(folder), log_(log) {}
+
+    /// Measures a cell, unless another process does, or has. A failure is kept in the log and in the cell's folder.
+    /// Throws Interrupted.
+    void run(const WorkCell& cell, const PassObserver& observer = {});
+
+private:
+    void measure(const WorkCell& cell, const PassObserver& observer);
+    /// Renders the cell in a process of its own, which leaves its images in the work folder.
+    CellTiming render(const WorkCell& cell, const std::string& work_folder, const PassObserver& observer) const;
+    /// The record of a cell, whose images are judged and stored.
+    Cell judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const;
+    void keep_failure(const std::string& cell, const std::string& message);
+
+    const RunSetup& setup_;
+    const ResultFolder& folder_;
+    RunLog& log_;
+    std::optional<Reference> reference_;  ///< that of the last cell; those of many scenes would not fit in memory
+    std::optional<Judgement> judgement_;
+    std::string referred_;  ///< identity of `reference_`
+};
+
+/// The rule by which a loop over cells ends before their end.
+struct StopRule {
+    /// For how many seconds cells may still begin; empty: without end.
+    std::function<double()> seconds_left = {};
+    /// Is told how many seconds a cell took in all.
+    std::function<void(const WorkCell& cell, double seconds)> spent = {};
+};
+
+/// Runs cells in turn, with a line of progress. Throws Interrupted.
+void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
+               const StopRule& stop = {});
+
+}  // namespace gib

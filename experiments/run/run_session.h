@@ -1,0 +1,45 @@
+#pragma once
+// The parts of a run, which are opened in this order. Each kind of run has its own loop over them: a local one, a share of a
+// cluster, a repetition, the rounds of a tuning.
+
+#include "experiments/run/cell_runner.h"
+#include "experiments/run/references.h"
+#include "experiments/run/run_log.h"
+#include "experiments/run/run_setup.h"
+#include "experiments/run/work_list.h"
+#include "experiments/system/file_lock.h"
+
+#include <optional>
+#include <string>
+
+namespace gib {
+
+/// Whether a process works in a result folder alone, and so locks it and removes what a killed one left, or beside others.
+enum class FolderUse { alone, shared };
+
+struct RunSession {
+    /// Throws InputError if another process works alone in the folder, or if nothing can be written there.
+    RunSession(RunSetup checked, const RunOptions& options, FolderUse use);
+    RunSession(const RunSession&) = delete;
+    RunSession& operator=(const RunSession&) = delete;
+
+    /// Brings the references of all scenes with selected cells to their goals. Throws Interrupted.
+    void make_references();
+    /// Forgets the selected cells, so that they are measured again.
+    void forget_cells();
+
+    /// Writes the index, without which there are no tables.
+    void write_index();
+    /// Writes tables, images and report of all complete cells. Returns the report's path.
+    std::string write_results();
+
+    RunLog log;
+    RunSetup setup;
+    ResultFolder folder;
+    std::optional<FileLock> lock;
+    References references;
+    WorkList list;
+    CellRunner runner;
+};
+
+}  // namespace gib

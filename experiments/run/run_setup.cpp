@@ -1,0 +1,88 @@
+#include "experiments/run/run_setup.h"
+
+#include "common/core/reject.h"
+#include "common/scene/scene.h"
+#include "experiments/external/povray_scene.h"
+#include "experiments/external/scene_places.h"
+#include "experiments/system/build_info.h"
+#include "experiments/system/progress.h"
+#include "methods/method.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace gib {
+
+namespace {
+
+SceneLoadOptions loading_of(const Experiment& experiment) { return {{}, experiment.resolution, experiment.paths}; }
+
+/// The scene in POV-Ray's form; empty if no selected method takes it. Throws InputError for what it cannot express.
+std::string povray_form(const Experiment& experiment, const std::string& only, const ExperimentScene& entry,
+                        const LoadedScene& loaded) {
+    for (const MethodLabel& label : experiment.methods)
+        if (const auto* external = experiment.external(label);
+            external && is_kept(only, entry.name, label.text()) && external->scene_format == SceneFormat::povray)
+            return povray_scene(loaded, scene_places(entry.path, loading_of(experiment)));
+    return "";
+}
+
+void plan_methods(RunSetup& setup, const LoadedScene& scene, ProgressLine& progress) {
+    for (const auto& label : setup.experiment.methods) {
+        if (setup.experiment.external(label)) continue;
+        const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
+        setup.effects_missing[{scene.name, label.text()}] = plan.missing.names();
+        setup.components_missing[{scene.name, label.text()}] = names_of(plan.unresolved);
+        if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
+            progress.message(fmt::format("warning: {}: {}", scene.name, incomplete));
+    }
+}
+
+void require_a_cell(const RunSetup& setup, const std::string& only) {
+    for (const RunScene& scene : setup.scenes)
+        for (const MethodLabel& label : setup.experiment.methods)
+            if (is_kept(only, scene.entry.name, label.text())) return;
+    reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label", only);
+}
+
+}  // namespace
+
+LoadedScene RunSetup::load(const RunScene& scene) const {
+    LoadedScene loaded = load_scene(scene.entry.path, loading_of(experiment));
+    if (loaded.content_hash != scene.content_hash)
+        throw RunError(fmt::format("the scene '{}' was changed while the experiment ran", scene.entry.name));
+    return loaded;
+}
+
+RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
+    ProgressLine progress;
+    RunSetup setup{.experiment = std::move(experiment),
+                   .threads = options.threads > 0 ? options.threads
+                                                  : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
+                   .program = options.program,
+                   .command_line = options.command_line,
+                   .build = executable_hash()};
+    if (options.seeds) setup.experiment.seeds = *options.seeds;
+    for (const auto& entry : setup.experiment.scenes) {
+        const auto start = std::chrono::steady_clock::now();
+        const LoadedScene loaded = load_scene(entry.path, loading_of(setup.experiment));
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        progress.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+        for (const auto& warning : loaded.warnings)
+            progress.message("warning: " + warning);
+        plan_methods(setup, loaded, progress);
+        setup.scenes.push_back({.entry = entry,
+                                .content_hash = loaded.content_hash,
+                                .sample_count = loaded.sample_count,
+                                .width = loaded.scene->sensor().width(),
+                                .height = loaded.scene->sensor().height(),
+                                .povray = povray_form(setup.experiment, options.only, entry, loaded)});
+    }
+    require_a_cell(setup, options.only);
+    return setup;
+}
+
+}  // namespace gib

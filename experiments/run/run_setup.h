@@ -1,0 +1,47 @@
+#pragma once
+// What a run has read and checked before it computes anything: the experiment, the facts about its scenes, and what the
+// methods leave out in them.
+
+#include "common/reader/scene_file.h"
+#include "experiments/plan/experiment_file.h"
+#include "experiments/plan/run_options.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gib {
+
+struct RunScene {
+    ExperimentScene entry;
+    std::string content_hash;
+    std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
+    int width = 0, height = 0;        ///< size of its images [pixels]
+    std::string povray = "";          ///< scene in POV-Ray's form, if a selected method takes that
+};
+
+struct RunSetup {
+    Experiment experiment;
+    int threads = 1;
+    std::string program, command_line;  ///< RunOptions
+    std::string build;                  ///< digest of this program
+    std::vector<RunScene> scenes = {};  ///< in the experiment's order
+    /// What the methods leave out, as ResultIndex has it.
+    std::map<std::pair<std::string, std::string>, std::string> effects_missing = {}, components_missing = {};
+
+    /// Loads a scene again. Only one is in memory at a time. Throws RunError if it was changed since it was checked.
+    LoadedScene load(const RunScene& scene) const;
+};
+
+/// Loads every scene and plans every method on it. `options` are those beside the experiment's file. Nothing is written.
+/// Throws InputError.
+RunSetup checked_setup(Experiment experiment, const RunOptions& options);
+
+/// Whether `--only TEXT` keeps the cells of a label on a scene.
+inline bool is_kept(const std::string& only, const std::string& scene, const std::string& label) {
+    return scene.find(only) != std::string::npos || label.find(only) != std::string::npos;
+}
+
+}  // namespace gib

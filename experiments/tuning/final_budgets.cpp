@@ -1,0 +1,22 @@
+#include "experiments/tuning/final_budgets.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gib {
+
+std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides) {
+    constexpr double least = 0.01;  // [s]; one pass always completes
+    std::vector<std::size_t> order(wanted.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return wanted[a] < wanted[b]; });
+    std::vector<double> shares(wanted.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const double even = seconds / static_cast<double>(order.size() - i) - besides;
+        shares[order[i]] = std::max(least, std::min(wanted[order[i]], even));
+        seconds -= shares[order[i]] + besides;
+    }
+    return shares;
+}
+
+}  // namespace gib

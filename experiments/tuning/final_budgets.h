@@ -1,0 +1,12 @@
+#pragma once
+// How the time that the search leaves is divided among the final runs.
+
+#include <vector>
+
+namespace gib {
+
+/// Seconds for each of several runs, of which run i wants `wanted[i]`, so that together they take at most `seconds`, with
+/// `besides` more for each: what they want, or an even share of what those that want less leave.
+std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides);
+
+}  // namespace gib

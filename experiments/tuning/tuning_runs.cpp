@@ -1,0 +1,186 @@
+#include "experiments/tuning/tuning_runs.h"
+
+#include "common/core/files.h"
+#include "common/core/number_text.h"
+#include "experiments/measuring/reference.h"
+#include "experiments/metrics/reference_image.h"
+#include "experiments/text/json_file.h"
+#include "methods/method.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+namespace gib {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// More passes than any budget lets a cell make.
+constexpr const char* endless_spp = "1000000000";
+constexpr const char* reference_entry = "reference";
+/// The variance of the reference is at most a quarter of the squared error that is asked for. It is subtracted from errors,
+/// but is itself known only to some per cent.
+constexpr double most_reference_error = 0.5;
+
+/// Text as a TOML basic string.
+std::string quoted_toml(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text)
+        result += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    return result + "\"";
+}
+
+std::string method_table(const MethodLabel& label) {
+    std::string text = fmt::format("[[method]]\nname = {}\n", quoted_toml(label.name));
+    for (const auto& [name, value] : label.values)
+        text += fmt::format("{} = {}\n", name, number_from<double>(value) ? value : quoted_toml(value));
+    return text;
+}
+
+/// The time of a budget with three digits, as its text has it.
+double rounded_budget(double seconds) { return number_from<double>(fmt::format("{:.3g}", seconds)).value(); }
+
+}  // namespace
+
+TuningRuns::TuningRuns(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options,
+                       const std::vector<MethodLabel>& methods)
+    : file_(file), scene_(scene), options_(options) {
+    open(methods, 1);
+    try {
+        seconds_ = read_json(session_->folder.file("times.json")).get<std::map<std::string, double>>();
+    } catch (const std::exception&) {  // the first run, or a damaged file
+        seconds_.clear();
+    }
+}
+
+std::string TuningRuns::experiment_text(const std::vector<MethodLabel>& labels, int seeds) const {
+    const Experiment& head = file_.head;
+    std::string text = fmt::format("title = {}\nscenes = [{}]\nseeds = {}\n",
+                                   quoted_toml(fmt::format("{}: settings for {}", scene_.name, file_.target)),
+                                   quoted_toml(fs::absolute(scene_.path).string()), seeds);
+    if (head.resolution)
+        text += fmt::format("resolution = [{}, {}]\n", head.resolution->first, head.resolution->second);
+    if (head.epsilon) text += fmt::format("epsilon = {}\n", *head.epsilon);
+    std::vector<std::string> folders;
+    for (const auto& folder : head.paths)
+        folders.push_back(quoted_toml(fs::absolute(folder).string()));
+    if (!folders.empty()) text += fmt::format("paths = [{}]\n", fmt::join(folders, ", "));
+    text += fmt::format("[reference]\ntarget = {:.3g}\n", parse_target(file_.target) / 4);
+    for (const auto& label : labels)
+        text += method_table(with_value(label, "spp", endless_spp));
+    return text;
+}
+
+void TuningRuns::open(const std::vector<MethodLabel>& labels, int seeds) {
+    Experiment experiment = parse_experiment(experiment_text(labels, seeds), "tune-" + scene_.name + ".toml");
+    session_.reset();  // the folder is locked by one at a time
+    session_ = std::make_unique<RunSession>(checked_setup(std::move(experiment), options_), options_, FolderUse::alone);
+}
+
+double TuningRuns::used() const {
+    double used = 0;
+    for (const std::string& name : counted_)
+        used += seconds_.at(name);
+    return used;
+}
+
+void TuningRuns::spend(const std::string& name, double seconds) {
+    seconds_[name] = seconds;
+    counted_.insert(name);
+    write_file(session_->folder.file("times.json"), nlohmann::json(seconds_).dump(1) + "\n", Flush::later);
+}
+
+std::string TuningRuns::make_reference(double seconds) {
+    RunScene& scene = session_->setup.scenes.front();
+    scene.entry.goal.seconds = reference_seconds_ = seconds;
+    const auto start = std::chrono::steady_clock::now();
+    session_->make_references();
+    if (session_->references.has_failed(0)) throw RunError(session_->log.failures.back().text());
+    session_->write_index();  // with the notes on the reference
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (seconds_.count(reference_entry) > 0) counted_.insert(reference_entry);
+    else spend(reference_entry, took);
+
+    const Reference reference = read_reference(session_->folder.reference_image(scene.entry.name));
+    const Judgement judgement(reference);
+    const double target = parse_target(file_.target);
+    const double error = relative_standard_error(judgement.total(), judgement.epsilon(file_.head.epsilon));
+    if (judgement.is_empty()) return "the reference resolves no light of the scene";
+    if (error <= most_reference_error * target) return "";
+    const Experiment& head = file_.head;
+    std::string command = fmt::format("gibench reference {} --target {:.3g}%", scene_.path, 25 * target);
+    if (head.resolution) command += fmt::format(" --resolution {}x{}", head.resolution->first, head.resolution->second);
+    if (head.epsilon) command += fmt::format(" --epsilon {}", *head.epsilon);
+    for (const std::string& folder : head.paths)
+        command += " -a " + folder;
+    const std::string key = reference_key(scene.content_hash, session_->setup.experiment.reference_method);
+    return fmt::format(
+        "the reference does not resolve {}: its own error is {:.3g} %, and has to be {:.3g} % at most. This makes it "
+        "better, and the same tuning then takes it:\n{} -o {}",
+        file_.target, 100 * error, 100 * most_reference_error * target, command, cached_reference_path(key));
+}
+
+WorkCell TuningRuns::cell_of(const Wanted& wanted) const {
+    WorkCell cell = work_cell(session_->setup, 0, with_value(wanted.label, "spp", endless_spp), wanted.seed);
+    cell.identity.budget.seconds = rounded_budget(wanted.budget);
+    cell.identity.reference = session_->references.identity(0);
+    if (!is_experiment_) cell.name += fmt::format("-{:.3g}s", wanted.budget);
+    return cell;
+}
+
+std::vector<TuningRuns::Run> TuningRuns::measured(const std::vector<Wanted>& wanted, double deadline) {
+    const ResultFolder& folder = session_->folder;
+    std::vector<WorkCell> cells;
+    for (const Wanted& one : wanted)
+        cells.push_back(cell_of(one));
+    std::vector<const WorkCell*> left;
+    for (const WorkCell& cell : cells) {
+        const auto stored = folder.read_cell(cell.name, cell.identity.key());
+        if (!stored) left.push_back(&cell);
+        else if (seconds_.count(cell.name) > 0) counted_.insert(cell.name);
+        else spend(cell.name, stored->load_seconds + stored->last().seconds);
+    }
+    run_cells(left, session_->runner, session_->log.progress,
+              {.seconds_left = [&] { return deadline - used(); },
+               .spent = [&](const WorkCell& cell, double seconds) { spend(cell.name, seconds); }});
+    std::vector<Run> runs;
+    for (const WorkCell& cell : cells) {
+        Run& run = runs.emplace_back(Run{folder.read_cell(cell.name, cell.identity.key()), false});
+        run.is_left_out = counted_.count(cell.name) == 0;
+        if (!run.cell) continue;
+        besides_ += std::max(0.0, seconds_.at(cell.name) - run.cell->last().seconds);
+        ++runs_;
+    }
+    return runs;
+}
+
+void TuningRuns::begin_experiment(const std::vector<MethodLabel>& labels, const std::vector<double>& budgets,
+                                  int seeds) {
+    open(labels, seeds);
+    is_experiment_ = true;
+    session_->setup.scenes.front().entry.goal.seconds = reference_seconds_;
+    std::map<std::string, Budget> own;
+    for (const WorkCell& cell : session_->list.all())
+        for (std::size_t i = 0; i < labels.size(); ++i)
+            if (with_value(labels[i], "spp", endless_spp).text() == cell.identity.method)
+                own[cell.name] = {rounded_budget(budgets[i]), std::nullopt};
+    session_->list.keep(own);
+}
+
+std::string TuningRuns::write_results(const std::string& tune_json) {
+    write_file(session_->folder.file("tune.json"), tune_json);
+    return session_->write_results();
+}
+
+bool TuningRuns::is_unbiased(const MethodLabel& label) const {
+    const std::pair key{scene_.name, with_value(label, "spp", endless_spp).text()};
+    return find_method(label.name).unbiased && session_->setup.effects_missing.at(key).empty() &&
+           session_->setup.components_missing.at(key).empty();
+}
+
+}  // namespace gib

@@ -1,0 +1,70 @@
+#pragma once
+// The runs of a tuning. All of them stand in one result folder: those that choose settings under names of their own, and at
+// the end an experiment of the best settings. What was measured before an interruption is found again and counts with the
+// time that it took, so that the same decisions follow.
+
+#include "experiments/plan/tune_file.h"
+#include "experiments/run/run_session.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+class TuningRuns {
+public:
+    /// Checks everything and opens the folder. Throws InputError.
+    TuningRuns(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options,
+               const std::vector<MethodLabel>& methods);
+
+    /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. Returns the
+    /// words that say why it does not resolve the target; empty: it does. Throws RunError if it cannot be made.
+    std::string make_reference(double seconds);
+
+    struct Wanted {
+        MethodLabel label;
+        std::uint64_t seed;
+        double budget;  ///< [s]; rounded to three digits
+    };
+    struct Run {
+        std::optional<Cell> cell;  ///< empty: it failed or was left out
+        bool is_left_out = false;  ///< for lack of time
+    };
+    /// Measures what is not stored yet, in this order, and begins nothing when used() is `deadline`. Throws Interrupted.
+    std::vector<Run> measured(const std::vector<Wanted>& wanted, double deadline);
+
+    /// From here on, runs are those of an experiment of these labels with the seeds 1 to `seeds`, each with its own budget.
+    void begin_experiment(const std::vector<MethodLabel>& labels, const std::vector<double>& budgets, int seeds);
+    /// Writes a file of the folder and then tables and report of that experiment. Returns the report's path.
+    std::string write_results(const std::string& tune_json);
+
+    /// Seconds of the reference and of all runs so far.
+    double used() const;
+    /// Seconds that a run takes besides those that it is charged: its process, loading, the comparison with the reference.
+    double besides() const { return runs_ > 0 ? besides_ / runs_ : 0.6; }  // measured at 256 x 256 pixels on two cores
+    /// Whether the method leaves out nothing of the scene and has no bias.
+    bool is_unbiased(const MethodLabel& label) const;
+
+private:
+    std::string experiment_text(const std::vector<MethodLabel>& labels, int seeds) const;
+    void open(const std::vector<MethodLabel>& labels, int seeds);
+    WorkCell cell_of(const Wanted& wanted) const;
+    void spend(const std::string& name, double seconds);
+
+    const TuneFile& file_;
+    const ExperimentScene& scene_;
+    const RunOptions& options_;
+    double reference_seconds_ = 0;
+    std::unique_ptr<RunSession> session_;
+    bool is_experiment_ = false;
+    std::map<std::string, double> seconds_;  ///< that the reference and each run took, as times.json keeps them
+    std::set<std::string> counted_;          ///< those of them that this tuning has asked for
+    double besides_ = 0, runs_ = 0;
+};
+
+}  // namespace gib
