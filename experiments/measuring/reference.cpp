@@ -319,11 +319,7 @@ private:
 
     /// Leaves the components unresolved about which a pilot and the finished reference disagree.
     void compare_with_pilots() {
-        const auto samples = [&](std::size_t m, Component c) {
-            const auto& left_out = makers_[m].unresolved();
-            return std::find(left_out.begin(), left_out.end(), c) == left_out.end();
-        };
-        for (const Disagreement& found : agreement_.with_pilots(groups_.groups(), samples)) {
+        for (const Disagreement& found : agreement_.with_pilots(groups_.groups())) {
             if (std::find(unresolved_.begin(), unresolved_.end(), found.component) == unresolved_.end())
                 unresolved_.push_back(found.component);
             unsaved_ = unsaved_ || result_.rounds_added > 0;  // else the file says so already

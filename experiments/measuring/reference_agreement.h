@@ -63,14 +63,13 @@ public:
         const auto found = tested(std::move(pairs), nullptr);
         return found.empty() ? std::nullopt : std::optional(found.front());
     }
-    /// The light that pilots have seen and the groups of the finished reference lack. `samples(maker, component)` says whether
-    /// the maker can sample all of the component.
-    template <typename Samples>
-    std::vector<Disagreement> with_pilots(const std::vector<ComponentImages>& reference, const Samples& samples) const {
+    /// The light that pilots have seen and the groups of the finished reference lack, also of makers that cannot sample all of
+    /// a component.
+    std::vector<Disagreement> with_pilots(const std::vector<ComponentImages>& reference) const {
         std::vector<Disagreement> pairs;
         for (Component c : all_components)
             for (std::size_t m = 0; m < pilots_.size(); ++m)
-                if (holds(pilots_[m], c) && samples(m, c)) pairs.push_back({c, m, m, {}});
+                if (holds(pilots_[m], c)) pairs.push_back({c, m, m, {}});
         return tested(std::move(pairs), &reference);
     }
 
