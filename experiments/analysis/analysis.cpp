@@ -66,13 +66,14 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
 }
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
-                    const std::vector<Image>& images, const ReferenceLayer& reference, const Image& r_total,
+                    const std::vector<Image>& images, const ReferenceLayer& reference, const Denominators& denominators,
                     const ReferenceQuality& quality) {
     TableRow row = plain_row(replicates, index, component);
     const double noise_floor = row.noise_floor = quality.noise_floors.at(component);
     row.floor_known = quality.error_known;
     row.epsilon = quality.epsilon;
-    row.statistics = replicate_statistics(images, reference, r_total, row.epsilon);
+    const Image& r_total = denominators.plain();
+    row.statistics = replicate_statistics(images, reference, denominators);
     row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
@@ -100,13 +101,13 @@ std::optional<double> mean_flip(const Replicates& replicates, const std::vector<
 std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& index, const Judgement& judgement,
                               const ReferenceQuality& quality, const ResultFolder& folder) {
     std::vector<TableRow> rows;
-    const Image& r_total = judgement.total().mean;
+    const Denominators& denominators = judgement.denominators(quality.epsilon);
     const std::vector<Image>& totals = replicates.totals;
     if (judgement.is_empty()) {
         rows.push_back(plain_row(replicates, index, total_name));
     } else {
-        rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), r_total, quality));
-        rows.back().flip = mean_flip(replicates, totals, r_total, folder);
+        rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), denominators, quality));
+        rows.back().flip = mean_flip(replicates, totals, denominators.plain(), folder);
     }
     for (Component c : all_components) {
         std::vector<Image> images;
@@ -115,7 +116,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         if (images.size() != replicates.images.size()) continue;
         const std::string name(name_of(c));
         if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, r_total, quality));
+            rows.push_back(judged_row(replicates, index, name, images, *layer, denominators, quality));
         else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, name));
     }
     return rows;
@@ -127,7 +128,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     const ReferenceLayer& judged = judgement.is_empty() ? reference.total : judgement.total();
     ReferenceQuality quality{.scene = scene.name,
                              .method = scene.reference_method,
-                             .relative_error = relative_standard_error(judged, epsilon),
+                             .relative_error = relative_standard_error(judged, judgement.denominators(epsilon)),
                              .error_known = judged.standard_error || !judged.groups.empty(),
                              .target = scene.target,
                              .notes = scene.notes,
@@ -135,7 +136,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[name] = noise_floor_of(*layer, judged.mean, epsilon);
+        quality.noise_floors[name] = noise_floor_of(*layer, judgement.denominators(epsilon));
     return quality;
 }
 

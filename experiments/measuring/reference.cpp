@@ -3,11 +3,12 @@
 #include "common/core/files.h"
 #include "common/core/memory_limit.h"
 #include "common/images/image_file.h"
-#include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
+#include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
+#include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/system/build_info.h"
@@ -32,6 +33,9 @@ constexpr double save_interval = 15;
 /// If one group carries more than this share of the scatter, the standard error is unreliable; Gaussian noise gives
 /// about 0.27 (dominance_of_one_group()).
 constexpr double heavy_tail_share = 0.5;
+/// Noise is skewed if the plain formula of the standard error, with the image's own noise in the denominator, differs from the one
+/// that is free of it by this factor.
+constexpr double skewed_by = 1.25;
 /// The pilot of a reference with several makers takes this share of the work, and has at most so many rounds. It makes
 /// few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
 /// them a pixel gets.
@@ -59,7 +63,7 @@ public:
     Maker(const ReferenceWork& work, ProgressLine& progress)
         : work_(work),
           progress_(progress),
-          key_(reference_key(work.scene.content_hash, work.label)),
+          key_(reference_key(work.scene.content_hash, work.label, work.seed)),
           batches_(batch_folder_of(work.path)),
           schedule_(work.goal),
           agreement_(work.methods.size()) {
@@ -94,6 +98,7 @@ public:
             if (now() - saved_at_ > save_interval) save();
             done = good_enough();
         }
+        compare_with_pilots();
         if (unsaved_) save();
         batches_.remove_all();
         warn_about_quality();
@@ -108,7 +113,7 @@ public:
         if (folder.read(batch)) return;
         const ReferenceMaker maker(*work.methods.at(batch.maker), work.label, work.scene,
                                    work.label.name == auto_reference);
-        folder.write(batch, made_batch(maker, reference_key(work.scene.content_hash, work.label), batch));
+        folder.write(batch, made_batch(maker, reference_key(work.scene.content_hash, work.label, work.seed), batch));
     }
 
 private:
@@ -135,6 +140,10 @@ private:
             for (const ReferenceMaker& maker : makers_)
                 if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
                     throw InputError({work_.path}, "it lacks what '" + maker.name() + "' makes");
+            agreement_.read(agreement_file(), agreement_state());
+            // Without the pilots, earlier doubts cannot be tested again.
+            if (const auto names = metadata.find("unresolved"); names != metadata.end() && !agreement_.has_pilots())
+                unresolved_ = components_named(names->second);
         } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
@@ -148,28 +157,34 @@ private:
         result_.reference = groups_.reference();
         result_.reference.unresolved = unresolved_;
         result_.epsilon = epsilon_of(work_.epsilon, result_.reference.total.mean);
-        result_.relative_error = relative_standard_error(result_.reference.total, result_.epsilon);
+        const ReferenceLayer& total = result_.reference.total;
+        const Denominators denominators(total, result_.epsilon);
+        const SampleMean variance = denominators.variance_of(total);
+        const double bias = relative_bias(total, denominators);
+        result_.relative_error = std::sqrt(variance.value + sqr(bias));
+        error_bound_ = std::sqrt(variance.value + 2 * std::sqrt(variance.variance.variance) + sqr(bias));
+        plain_error_ = relative_standard_error(total, Denominators(total.mean, result_.epsilon));
         if (!std::isfinite(result_.relative_error))
             throw RunError(
                 fmt::format("the reference of '{}' by '{}' is not finite", work_.scene.name, work_.label.text()));
     }
 
     bool good_enough() {
-        if (groups_.rounds == 0) return false;
+        if (groups_.passes == 0) return false;
         const auto& goal = work_.goal;
         if (schedule_.reaches_target(state(), shares_)) return true;
         if (!goal.seconds || groups_.seconds < *goal.seconds) return false;
         if (goal.target)
-            result_.warnings.push_back(
-                fmt::format("the reference's relative error is {:.3g} % after {}, its target was {:.3g} %",
-                            100 * result_.relative_error, duration_text(groups_.seconds), 100 * *goal.target));
+            result_.warnings.push_back(fmt::format(
+                "the reference's relative error is {:.3g} %, or up to {:.3g} %, after {}; its target was {:.3g} %",
+                100 * result_.relative_error, 100 * error_bound_, duration_text(groups_.seconds), 100 * *goal.target));
         return true;
     }
 
     ReferenceState state() const {
         return {.rounds = groups_.rounds,
                 .passes = groups_.passes,
-                .error = result_.relative_error,
+                .error = error_bound_,
                 .work = groups_.work,
                 .seconds = groups_.seconds,
                 .pilot_seconds = pilot_seconds_,
@@ -233,6 +248,8 @@ private:
                 pilot_seconds_ += made.seconds;
                 dropped.add(made.dropped);
             }
+            for (std::size_t m = 0; m < makers_.size(); ++m)
+                agreement_.set_pilot(m, pilots[m].groups);
             const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
             shares_ = plan.shares;
             const auto& goal = work_.goal;
@@ -275,6 +292,46 @@ private:
         ++result_.rounds_added;
         unsaved_ = true;
         update();
+        leave_out_lacking();
+    }
+
+    /// If two makers disagree about a component, the one that has found less light lacks some. It makes no more of the
+    /// component, and the reference begins again with new seeds, so that weights do not depend on the images that they weigh.
+    /// The maker that is left is compared with the pilots at the end.
+    void leave_out_lacking() {
+        const auto makes = [&](std::size_t m, Component c) { return weight(m, c) > 0; };
+        const auto found = agreement_.between_makers(makes);
+        if (!found) return;
+        double left = 0;
+        for (std::size_t m = 0; m < shares_.size(); ++m)
+            left += m == found->lesser() ? 0 : weight(m, found->component);
+        for (std::size_t m = 0; m < shares_.size(); ++m)
+            weight(m, found->component) *= m == found->lesser() ? 0 : 1 / left;
+        lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it made none of it",
+                                       shares_[found->lesser()].method, name_of(found->component),
+                                       shares_[found->lesser() == found->a ? found->b : found->a].method,
+                                       text_of(found->where)));
+        groups_.restart();
+        agreement_.restart();
+        pilot_seconds_ = groups_.seconds;  // whose passes do not count
+        unsaved_ = false;
+    }
+
+    /// Leaves the components unresolved about which a pilot and the finished reference disagree.
+    void compare_with_pilots() {
+        for (const Disagreement& found : agreement_.with_pilots(groups_.groups())) {
+            if (std::find(unresolved_.begin(), unresolved_.end(), found.component) == unresolved_.end())
+                unresolved_.push_back(found.component);
+            unsaved_ = unsaved_ || result_.rounds_added > 0;  // else the file says so already
+            lacking_.push_back(
+                fmt::format("'{}' has seen light of {} that the reference lacks: {}; left out of judgement",
+                            shares_[found.a].method, name_of(found.component), text_of(found.where)));
+        }
+        result_.reference.unresolved = unresolved_;
+    }
+
+    double& weight(std::size_t maker, Component c) {
+        return shares_[maker].weights[static_cast<std::size_t>(index_of(c))];
     }
 
     /// A batch from the folder of batches, or made now. It stays there until the file holds its round.
@@ -310,17 +367,10 @@ private:
                                      static_cast<std::uint64_t>(reference_groups) * groups_.passes, error));
     }
 
-    /// Throws RunError if the makers disagree: one of them is wrong then, and so is what they have made together.
-    void require_agreement() const {
-        const std::string disagreement = agreement_.disagreement(shares_);
-        if (!disagreement.empty())
-            throw RunError(fmt::format("the reference of '{}' is refused: {}", work_.scene.name, disagreement));
-    }
-
     void save() {
-        if (makers_.size() > 1) require_agreement();
         result_.reference.metadata = metadata();
         write_reference(work_.path, result_.reference);
+        if (makers_.size() > 1) agreement_.write(agreement_file(), agreement_state());
         for (const ReferenceBatch& batch : used_)
             batches_.remove(batch);
         used_.clear();
@@ -328,18 +378,23 @@ private:
         unsaved_ = false;
     }
 
+    /// What MakerAgreement keeps lies beside the batches.
+    std::string agreement_file() const { return work_.path + ".makers.exr"; }
+    std::string agreement_state() const { return fmt::format("{} {} {}", key_, groups_.rounds, groups_.passes); }
+
     void warn_about_quality() {
+        result_.warnings.insert(result_.warnings.end(), lacking_.begin(), lacking_.end());
         std::vector<std::string_view> names;
         for (Component c : unresolved_)
             names.push_back(name_of(c));
         if (!names.empty())
-            result_.warnings.push_back(fmt::format("'{}' cannot sample every path of: {}; left out of judgement",
+            result_.warnings.push_back(fmt::format("'{}' has not found all light of: {}; left out of judgement",
                                                    work_.label.text(), fmt::join(names, ", ")));
         if (!result_.reference.total.bias.empty())
             result_.warnings.push_back(
                 fmt::format("merging has biased the reference by an estimated {:.2g} %, which its "
                             "error and all intervals include",
-                            100 * relative_bias(result_.reference.total, result_.epsilon)));
+                            100 * relative_bias(result_.reference.total, {result_.reference.total, result_.epsilon})));
         else if (!work_.methods.front()->unbiased)
             result_.warnings.push_back(
                 fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
@@ -348,6 +403,12 @@ private:
             result_.warnings.push_back(
                 fmt::format("{} samples of the reference were not finite and were dropped; first: {}",
                             groups_.dropped.count, groups_.dropped.first));
+        const double skew = plain_error_ > 0 ? result_.relative_error / plain_error_ : 1;
+        if (skew > skewed_by || skew < 1 / skewed_by)
+            result_.warnings.push_back(fmt::format(
+                "the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %, though it would seem to be "
+                "{:.3g} % with its own noise in the denominator",
+                100 * result_.relative_error, 100 * error_bound_, 100 * plain_error_));
         const double share = dominance_of_one_group(result_.reference.total.groups);
         if (share > heavy_tail_share)
             result_.warnings.push_back(
@@ -392,7 +453,10 @@ private:
     std::vector<MakerShare> shares_;
     MakerAgreement agreement_;
     std::string stored_shares_;
-    std::vector<ReferenceBatch> used_;           ///< batches used from their folder since the file was written
+    std::vector<std::string> lacking_;  ///< what makers or pilots disagree about
+    double error_bound_ = 0;            ///< the relative error, two standard errors of its square above the estimate
+    double plain_error_ = 0;            ///< the relative error with the image itself in the denominator
+    std::vector<ReferenceBatch> used_;  ///< batches used from their folder since the file was written
     double pilot_seconds_ = 0, pilot_work_ = 0;  ///< time [s] and work of a pilot of this session
     ReferenceGroups groups_;
     FinishedReference result_;
@@ -402,12 +466,13 @@ private:
 
 }  // namespace
 
-std::string reference_key(const std::string& content_hash, const MethodLabel& label) {
+std::string reference_key(const std::string& content_hash, const MethodLabel& label, std::uint64_t seed) {
     ContentHash hash;
     hash.add("reference 1");
     hash.add(content_hash);
     hash.add(label.text());
     hash.add(fmt::format("{}", glossy_roughness));  // it decides which component a path belongs to
+    if (seed != 1) hash.add(fmt::format("seed {}", seed));
     return hash.hex();
 }
 
@@ -426,29 +491,6 @@ std::string stored_reference_identity(const std::string& path) {
     const auto passes = metadata->find("passes");
     if (key == metadata->end() || passes == metadata->end()) return "";
     return key->second + ":" + passes->second;
-}
-
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
-    const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
-    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
-}
-
-double dominance_of_one_group(const std::vector<Image>& groups) {
-    if (groups.empty()) return 0;
-    double all = 0, largest = 0;
-    for (std::size_t i = 0; i < groups.front().rgb.size(); ++i) {
-        double mean = 0;
-        for (const Image& group : groups)
-            mean += static_cast<double>(group.rgb[i]) / static_cast<double>(groups.size());
-        double top = 0;
-        for (const Image& group : groups) {
-            const double deviation = sqr(static_cast<double>(group.rgb[i]) - mean);
-            all += deviation;
-            top = std::max(top, deviation);
-        }
-        largest += top;
-    }
-    return all > 0 ? largest / all : 0;
 }
 
 }  // namespace gib

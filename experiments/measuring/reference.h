@@ -28,6 +28,7 @@ struct ReferenceWork {
     ReferenceGoal goal;
     std::optional<double> epsilon;  ///< [radiance^2] of the relative error that `goal` bounds; none: the default
     std::string path;               ///< path of the file, which is read if it exists and written when it has improved
+    std::uint64_t seed = 1;         ///< references of different seeds are independent
     /// The most work (MadeBatch::work) that this process may do itself; none: all that the goal takes. More is left to others:
     /// make_reference() then returns with FinishedReference::missing.
     std::optional<double> most_own_work = std::nullopt;
@@ -44,9 +45,9 @@ struct FinishedReference {
     std::vector<ReferenceBatch> missing = {};
 };
 
-/// SHA-1 of everything that decides what the reference's image converges to: the scene's content hash, the method's
-/// label and `glossy_roughness`. 40 hexadecimal digits.
-std::string reference_key(const std::string& content_hash, const MethodLabel& label);
+/// SHA-1 of everything that decides the reference's image: the scene's content hash, the method's label, `glossy_roughness`
+/// and the seed. 40 hexadecimal digits.
+std::string reference_key(const std::string& content_hash, const MethodLabel& label, std::uint64_t seed = 1);
 
 /// The path at which `gibench run` keeps a reference, relative to the folder in which the program was started.
 std::string cached_reference_path(const std::string& key);
@@ -63,13 +64,5 @@ void make_batch(const ReferenceWork& work, const ReferenceBatch& batch);
 
 /// FinishedReference::identity of a stored file; empty if there is none or if it cannot be read.
 std::string stored_reference_identity(const std::string& path);
-
-/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
-
-/// The share that the most deviant group of each value (pixel and channel) has in the sum of the groups' squared
-/// deviations from their mean: about 0.27 for Gaussian noise of 16 groups, near 1 if rare bright samples dominate the
-/// image, 0 if all groups are equal.
-double dominance_of_one_group(const std::vector<Image>& groups);
 
 }  // namespace gib

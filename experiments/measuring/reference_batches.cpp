@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
+#include "common/sampling/sampler.h"
 
 #include <fmt/format.h>
 
@@ -75,6 +76,11 @@ void BatchFolder::remove(const ReferenceBatch& batch) const {
 void BatchFolder::remove_all() const {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
+}
+
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
+    const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
+    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
 }
 
 }  // namespace gib

@@ -20,6 +20,9 @@ struct ReferenceBatch {
     std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
 };
 
+/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
+
 /// The mean image of a batch and what it took to make it.
 struct MadeBatch {
     ComponentImages images;

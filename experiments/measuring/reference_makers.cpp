@@ -1,7 +1,7 @@
 #include "experiments/measuring/reference_makers.h"
 
+#include "experiments/measuring/reference_agreement.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/metrics/z_statistic.h"
 #include "methods/parts/density/progressive_parameters.h"
 
 #include <fmt/format.h>
@@ -15,46 +15,17 @@ namespace gib {
 
 namespace {
 
-constexpr int block_edge = 8;                 ///< [pixels]
-constexpr double least_weight = 0.01;         ///< a maker of less weight is not tested against the others
 constexpr double least_share_of_work = 0.01;  ///< a maker of less is left out
-constexpr double alpha = 0.001;               ///< significance level of all tests of agreement together
-/// The best maker works alone unless all together are predicted to be sooner by more than this factor. A maker that has
-/// all the work makes more passes in a row, and Sobol' points are then better than a short pilot can tell.
+constexpr double second_opinion = 0.1;        ///< share of the work of the second maker, at least
+/// Significance level at which a maker lacks light that another one has found. A false alarm costs time and no bias.
+constexpr double lacking_alpha = 0.001;
+/// The best maker does the work, but for the second opinion, unless all together are predicted to be sooner by more than this
+/// factor. A maker that has all the work makes more passes in a row, and Sobol' points are then better than a short pilot can
+/// tell.
 constexpr double least_gain = 1.5;
 
 bool has(const std::vector<Component>& list, Component c) {
     return std::find(list.begin(), list.end(), c) != list.end();
-}
-
-/// The means over blocks of pixels.
-Image block_means(const Image& image) {
-    const Grid grid = Grid::with_edge(image.width, image.height, block_edge);
-    Image means(grid.columns.count, grid.rows.count);
-    for (std::size_t b = 0; b < grid.size(); ++b) {
-        Colord sum = Colord::Zero();
-        double pixels = 0;
-        grid.for_each_in(b, [&](int x, int y) {
-            sum += image
-                       .at(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                           static_cast<std::size_t>(x))
-                       .cast<double>();
-            ++pixels;
-        });
-        means.set(b, (sum / pixels).cast<float>());
-    }
-    return means;
-}
-
-ComponentImages block_means(const ComponentImages& images) {
-    ComponentImages means;
-    for (Component c : all_components) {
-        if (!images[c]) continue;
-        means[c] = block_means(*images[c]);
-        means.width = means[c]->width;
-        means.height = means[c]->height;
-    }
-    return means;
 }
 
 /// Mean over the groups, and the variance of this mean, of each value.
@@ -84,7 +55,8 @@ GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c)
     return moments_of(images);
 }
 
-/// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component.
+/// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light
+/// in it beyond doubt and another one does not.
 class Costs {
 public:
     Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon) : pilots_(pilots) {
@@ -97,6 +69,13 @@ public:
             if (pilots.front().groups.front()[c]) measure(c, blocks);
     }
 
+    /// Whether some maker has seen light of the component.
+    bool is_lit(Component c) const {
+        const auto has_light = [&](const ComponentImages& group) { return group[c] && !is_black(*group[c]); };
+        return std::any_of(pilots_.begin(), pilots_.end(), [&](const MakerPilot& pilot) {
+            return std::any_of(pilot.groups.begin(), pilot.groups.end(), has_light);
+        });
+    }
     const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
     double work_of_pass(std::size_t m) const {
         return pilots_[m].work / (static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes);
@@ -147,13 +126,27 @@ private:
             const double passes = static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes;
             costs.push_back((variance + lacking) * passes * work_of_pass(m));
         }
+        leave_out_lacking(c, blocks, costs);
+    }
+
+    /// Makes the costs of makers that lack light infinite, unless no other would be left.
+    void leave_out_lacking(Component c, const std::vector<std::vector<ComponentImages>>& blocks,
+                           std::vector<double>& costs) const {
+        std::vector<double> left = costs;
+        for (std::size_t a = 0; a < pilots_.size(); ++a)
+            for (std::size_t b = 0; b < a; ++b) {
+                if (!samples(a, c) || !samples(b, c)) continue;
+                if (const auto block = disagreement(blocks[a], blocks[b], c, lacking_alpha, Differing::either_way))
+                    left[block->deviation < 0 ? a : b] = std::numeric_limits<double>::infinity();
+            }
+        if (std::any_of(left.begin(), left.end(), [](double cost) { return std::isfinite(cost); })) costs = left;
     }
 
     /// Mean over pixels and channels of the relative variance of the mean over all groups.
     double pixel_variance(const std::vector<ComponentImages>& groups, Component c) const {
         const GroupMoments moments = moments_of(groups, c);
         const Image& image = *groups.front()[c];
-        const Grid grid = Grid::with_edge(image.width, image.height, block_edge);
+        const Grid grid = Grid::with_edge(image.width, image.height, agreement_edge);
         double sum = 0;
         for (std::size_t b = 0; b < grid.size(); ++b)
             grid.for_each_in(b, [&](int x, int y) {
@@ -243,7 +236,7 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     std::size_t first = 0;
     for (std::size_t m = 0; m < shares.size(); ++m) {
         const double work = shares[m].passes * costs.work_of_pass(m);
-        shares[m].weights[i] = work / std::max(costs.of(c)[m], 1e-300);
+        shares[m].weights[i] = work / std::max(costs.of(c)[m], 1e-200);
         precision += shares[m].weights[i];
         if (work > busiest) {
             busiest = work;
@@ -258,15 +251,53 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     return is_judged ? precision : 0;
 }
 
-/// The plan in which maker m does all the work.
-MakerPlan alone(const std::vector<std::string>& methods, std::size_t m, double error2_work) {
-    MakerPlan plan;
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-        plan.shares.push_back({methods[i], i == m ? 1u : 0u, {}});
-        plan.shares[i].weights.fill(i == m ? 1 : 0);
+/// The sum over components of the costs of maker m. With `known`, costs that are infinite count ten times the largest of another
+/// maker instead.
+double sum_of_costs(const std::vector<std::vector<double>>& judged, std::size_t m, bool known) {
+    double sum = 0;
+    for (const auto& of_component : judged) {
+        double largest = 0;
+        for (const double cost : of_component)
+            if (std::isfinite(cost)) largest = std::max(largest, cost);
+        sum += known && !std::isfinite(of_component[m]) ? 10 * largest : of_component[m];
     }
-    plan.error2_work = error2_work;
-    return plan;
+    return sum;
+}
+
+/// The maker other than `first` with the least costs.
+std::size_t second_maker(const std::vector<std::vector<double>>& judged, std::size_t makers, std::size_t first) {
+    std::size_t second = first == 0 ? 1 : 0;
+    for (std::size_t m = 0; m < makers; ++m)
+        if (m != first && sum_of_costs(judged, m, true) < sum_of_costs(judged, second, true)) second = m;
+    return second;
+}
+
+/// Gives each maker that is needed a tenth of the work at least: one that can make a component where no busy one can, and a
+/// second opinion.
+void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>>& judged, std::vector<double>& work) {
+    std::vector<bool> needed(work.size());
+    for (Component c : all_components) {
+        const std::vector<double>& of_component = costs.of(c);
+        if (of_component.empty() || !costs.is_lit(c)) continue;
+        bool is_made = false;
+        for (std::size_t m = 0; m < work.size(); ++m)
+            is_made = is_made || (std::isfinite(of_component[m]) && (needed[m] || work[m] >= least_share_of_work));
+        const auto best = std::min_element(of_component.begin(), of_component.end());
+        if (!is_made && std::isfinite(*best)) needed[static_cast<std::size_t>(best - of_component.begin())] = true;
+    }
+    const auto first = static_cast<std::size_t>(std::max_element(work.begin(), work.end()) - work.begin());
+    const auto is_busy = [&](std::size_t m) { return m != first && (needed[m] || work[m] >= second_opinion); };
+    bool has_second = false;
+    for (std::size_t m = 0; m < work.size(); ++m)
+        has_second = has_second || is_busy(m);
+    if (!has_second && work.size() > 1) needed[second_maker(judged, work.size(), first)] = true;
+    double sum = 0;
+    for (std::size_t m = 0; m < work.size(); ++m) {
+        if (needed[m]) work[m] = std::max(work[m], second_opinion / (1 - second_opinion) * work[first]);
+        sum += work[m];
+    }
+    for (double& share : work)
+        share /= sum;
 }
 
 /// The method with its settings, which goes on after so many passes if it depends on them.
@@ -336,7 +367,23 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
                                  const std::optional<double>& epsilon) {
     const Costs costs(pilots, epsilon);
     const std::vector<std::vector<double>> judged = judged_costs(costs);
-    const std::vector<double> work = shares_of_work(judged, methods.size());
+    std::vector<double> work = shares_of_work(judged, methods.size());
+    // The product of error^2 and work is 1 / sum over m of (t_m / V_cm), summed over components.
+    double together = 0;
+    for (const auto& of_component : judged) {
+        double precision = 0;
+        for (std::size_t m = 0; m < work.size(); ++m)
+            precision += work[m] / of_component[m];
+        together += 1 / precision;
+    }
+    std::vector<double> alone;  // infinite for a maker that cannot make everything
+    for (std::size_t m = 0; m < methods.size(); ++m)
+        alone.push_back(sum_of_costs(judged, m, false));
+    const auto best = std::min_element(alone.begin(), alone.end());
+    if (!judged.empty() && *best <= least_gain * together)
+        for (std::size_t m = 0; m < work.size(); ++m)
+            work[m] = m == static_cast<std::size_t>(best - alone.begin()) ? 1 : 0;
+    add_needed_makers(costs, judged, work);
     const std::vector<std::uint32_t> passes = passes_of_unit(work, costs);
     MakerPlan plan;
     double unit_work = 0;
@@ -349,13 +396,6 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
         const double precision = weigh(c, costs, plan.shares);
         if (precision > 0) plan.error2_work += unit_work / precision;
     }
-    std::vector<double> sums(methods.size(), 0);  // infinite for a maker that cannot sample everything
-    for (const auto& of_component : judged)
-        for (std::size_t m = 0; m < methods.size(); ++m)
-            sums[m] += of_component[m];
-    const auto best = std::min_element(sums.begin(), sums.end());
-    if (!judged.empty() && *best <= least_gain * plan.error2_work)
-        return alone(methods, static_cast<std::size_t>(best - sums.begin()), *best);
     return plan;
 }
 
@@ -403,64 +443,6 @@ ComponentImages combined(const std::vector<MakerShare>& shares, const std::vecto
         }
     }
     return sum;
-}
-
-void MakerAgreement::add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
-    const double share = passes / static_cast<double>(passes_[maker] + passes);
-    passes_[maker] += passes;
-    auto& kept = groups_[maker];
-    if (kept.empty()) kept.resize(groups.size());
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        pixels_ = Grid::with_edge(groups[g].width, groups[g].height, block_edge);
-        const ComponentImages means = block_means(groups[g]);
-        for (Component c : all_components) {
-            if (!means[c]) continue;
-            if (!kept[g][c]) kept[g][c] = Image(means.width, means.height);
-            for (std::size_t i = 0; i < means[c]->rgb.size(); ++i) {
-                float& mean = kept[g][c]->rgb[i];
-                mean += static_cast<float>((double{means[c]->rgb[i]} - double{mean}) * share);
-            }
-        }
-    }
-}
-
-std::string MakerAgreement::disagreement(const std::vector<MakerShare>& shares) const {
-    struct Pair {
-        std::size_t a, b;
-        Component c;
-    };
-    std::vector<Pair> pairs;
-    const auto takes_part = [&](std::size_t m, Component c) {
-        return !groups_[m].empty() && groups_[m].front()[c] &&
-               shares[m].weights[static_cast<std::size_t>(index_of(c))] >= least_weight;
-    };
-    for (Component c : all_components)
-        for (std::size_t a = 0; a < shares.size(); ++a)
-            for (std::size_t b = a + 1; b < shares.size(); ++b)
-                if (takes_part(a, c) && takes_part(b, c)) pairs.push_back({a, b, c});
-    for (const Pair& pair : pairs) {
-        const auto layer = [&](std::size_t m) {
-            std::vector<Image> images;
-            for (const ComponentImages& group : groups_[m])
-                images.push_back(*group[pair.c]);
-            return layer_of_groups(std::move(images));
-        };
-        const ReferenceLayer a = layer(pair.a), b = layer(pair.b);
-        const ZTestVerdict verdict = verdict_of({{std::string(name_of(pair.c)), z_test(a, b, b.mean)}},
-                                                {.alpha = alpha / static_cast<double>(pairs.size())});
-        if (!verdict.differs) continue;
-        const auto worst =
-            std::min_element(verdict.scales.begin(), verdict.scales.end(),
-                             [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; });
-        const BlockTest& block = worst->largest;
-        return fmt::format(
-            "'{}' and '{}' disagree about the component {} in the block of pixels x {} to {}, y {} to {}: "
-            "their means differ by {:.3g}, {:.1f} standard errors",
-            shares[pair.a].method, shares[pair.b].method, name_of(pair.c), pixels_.columns.begin(block.x),
-            pixels_.columns.begin(block.x + block.width) - 1, pixels_.rows.begin(block.y),
-            pixels_.rows.begin(block.y + block.height) - 1, block.deviation, block.t);
-    }
-    return "";
 }
 
 }  // namespace gib

@@ -7,20 +7,20 @@
 // machine; that it tells the time of a pass within a factor is enough, because shares off by a factor of two cost a few
 // per cent and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in proportion to
 // t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
-// these variances as small as possible. If that gains little over the best maker, this one works alone. Weights and
-// shares are fixed before the images that they weigh are made, so the combination is unbiased. The pilot's images are
-// not used again.
+// these variances as small as possible. If that gains little over the best maker, this one does nine tenths of the work. A second
+// one always gets a tenth, so that there is something to compare with (reference_agreement.h). Weights and shares are fixed before
+// the images that they weigh are made, so the combination is unbiased.
 //
 // Where no unbiased method samples all paths, a consistent one may make the remainder of one of them
 // (MethodDescription::remainder). Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
 //
 // A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
 // the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no
-// sample of n has found has a variance of at least n L^2 a sample.
+// sample of n has found has a variance of at least n L^2 a sample. That is only a bound: a maker that lacks light beyond doubt
+// takes no part in the component, if there is another maker that lacks none.
 
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/reference_batches.h"
-#include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"
@@ -94,21 +94,5 @@ std::vector<MakerShare> shares_in(const std::string& text);
 void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight);
 /// The images of a unit, and their bias: the weighted sum over its makers.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);
-
-/// Keeps what each maker has made, in blocks of 8 x 8 pixels, and tests whether those that share a component agree.
-class MakerAgreement {
-public:
-    explicit MakerAgreement(std::size_t makers) : groups_(makers), passes_(makers, 0) {}
-    /// Adds the images of all groups of a maker, each of `passes` passes.
-    void add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes);
-    /// Says which makers disagree about which component, and where; empty if none do. All tests together reject makers
-    /// that agree with a probability of 0.1 % at most.
-    std::string disagreement(const std::vector<MakerShare>& shares) const;
-
-private:
-    std::vector<std::vector<ComponentImages>> groups_;  ///< by maker, the mean of each group over blocks
-    std::vector<std::uint64_t> passes_;
-    Grid pixels_;  ///< the pixels of each block
-};
 
 }  // namespace gib

@@ -62,7 +62,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::next_batches(const ReferenceState
 
 std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState state,
                                                              const std::vector<MakerShare>& shares) const {
-    const bool first = state.rounds == 0;
+    const bool first = state.passes == 0;
     if (first) state.error = infinity;
     std::vector<ReferenceBatch> batches;
     for (int ahead = 0; ahead < most_rounds_ahead; ++ahead) {
@@ -85,7 +85,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState stat
 
 double ReferenceSchedule::work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
     // A pilot makes more passes than the first rounds.
-    if (state.rounds == 0) return state.pilot_work > 0 ? state.pilot_work : infinity;
+    if (state.passes == 0) return state.pilot_work > 0 ? state.pilot_work : infinity;
     double share = infinity;  // work left, as a multiple of the work so far
     if (goal_.target) share = passes_needed(state, shares) / static_cast<double>(state.passes);
     if (goal_.seconds) share = std::min(share, std::max(0.0, *goal_.seconds / std::max(state.seconds, 1e-9) - 1));

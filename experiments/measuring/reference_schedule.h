@@ -15,9 +15,9 @@ namespace gib {
 struct ReferenceState {
     std::uint32_t rounds = 0;
     std::uint64_t passes = 0;  ///< number of passes in each group
-    double error = 0;          ///< relative standard error; unknown before the first round
-    double work = 0;           ///< work of all rounds (MadeBatch::work); 0: unknown
-    double seconds = 0;        ///< time of all rounds and the pilot
+    double error = 0;    ///< relative standard error that is to fall to the target; unknown before the first round
+    double work = 0;     ///< work of all rounds (MadeBatch::work); 0: unknown
+    double seconds = 0;  ///< time of all rounds and the pilot
     double pilot_seconds = 0;  ///< time of the pilot
     double pilot_work = 0;     ///< work of the pilot; 0: there was none
 };

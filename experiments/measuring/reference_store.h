@@ -32,6 +32,12 @@ public:
     /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if
     /// the components of the batches differ.
     void add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes);
+    /// Forgets the images and what it took to make them; `rounds`, which decide seeds, and the rest are kept.
+    void restart() {
+        groups_.clear();
+        passes = 0;
+        work = 0;
+    }
     const std::vector<ComponentImages>& groups() const { return groups_; }
     /// The reference so far: mean, standard error and groups of the total and of every component, without metadata.
     Reference reference() const;

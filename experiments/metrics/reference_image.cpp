@@ -149,26 +149,22 @@ double ReferenceLayer::squared_bias(std::size_t i) const {
     return sqr(b) - sqr(error);
 }
 
-namespace {
-
-/// 1 / (r^2 + epsilon) of value i.
-auto relative_weight(const ReferenceLayer& layer, double epsilon) {
-    return [&layer, epsilon](std::size_t i) { return 1 / (sqr(double{layer.mean.rgb[i]}) + epsilon); };
-}
-
-}  // namespace
-
-double relative_standard_error(const ReferenceLayer& layer, double epsilon) {
-    if (layer.mean.rgb.empty()) return 0;
-    const auto weight = relative_weight(layer, epsilon);
-    double sum = 0;
-    for (std::size_t i = 0; layer.standard_error && i < layer.mean.rgb.size(); ++i)
-        sum += sqr(double{layer.standard_error->rgb[i]}) * weight(i);
-    return std::sqrt(sum / static_cast<double>(layer.mean.rgb.size()) + layer.mean_squared_bias(weight));
-}
-
-double relative_bias(const ReferenceLayer& layer, double epsilon) {
-    return std::sqrt(layer.mean_squared_bias(relative_weight(layer, epsilon)));
+double dominance_of_one_group(const std::vector<Image>& groups) {
+    if (groups.empty()) return 0;
+    double all = 0, largest = 0;
+    for (std::size_t i = 0; i < groups.front().rgb.size(); ++i) {
+        double mean = 0;
+        for (const Image& group : groups)
+            mean += static_cast<double>(group.rgb[i]) / static_cast<double>(groups.size());
+        double top = 0;
+        for (const Image& group : groups) {
+            const double deviation = sqr(static_cast<double>(group.rgb[i]) - mean);
+            all += deviation;
+            top = std::max(top, deviation);
+        }
+        largest += top;
+    }
+    return all > 0 ? largest / all : 0;
 }
 
 }  // namespace gib

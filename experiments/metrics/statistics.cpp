@@ -326,10 +326,8 @@ Estimate widened(Estimate bias2, double squared_bias) {
     return bias2;
 }
 
-Estimate bias2_of(const Moments& of) {
-    return widened(
-        estimate(pair_mean(of.seeds).value - of.reference.variance, {pair_variance(of.seeds), reference_term(of)}),
-        of.reference.squared_bias);
+Estimate bias2_of(const Moments& of, double value) {
+    return widened(estimate(value, {pair_variance(of.seeds), reference_term(of)}), of.reference.squared_bias);
 }
 
 /// The variance of one replicate, which is the mean of |x_i - x_j|^2 / 2 over pairs. Its term of first order never
@@ -382,42 +380,78 @@ Estimate jackknife(double value, const std::vector<double>& without) {
     return {value, Interval{value - half, value + half}};
 }
 
-ImageError image_error(const Image& x, const ReferenceLayer& reference, const Image& r_total, double epsilon) {
+ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators,
+                       const NoisyTruth& truth) {
     require_same_size(x, reference.mean);
-    require_same_size(r_total, reference.mean);
-    const Weights relative{&r_total, epsilon};
-    double mse = 0, rel_mse = 0, variance = 0, rel_variance = 0;
+    require_same_size(denominators.plain(), reference.mean);
+    const Weights relative{&denominators.plain(), denominators.epsilon()};
+    double mse = 0, rel_mse = 0, variance = 0;
     for (std::size_t i = 0; i < x.rgb.size(); ++i) {
         const double w = relative(i);
         const double error2 = sqr(static_cast<double>(x.rgb[i]) - static_cast<double>(reference.mean.rgb[i]));
         mse += error2;
         rel_mse += w * error2;
-        if (!reference.standard_error) continue;
-        const double error2_of_r = sqr(static_cast<double>(reference.standard_error->rgb[i]));
-        variance += error2_of_r;
-        rel_variance += w * error2_of_r;
+        if (reference.standard_error) variance += sqr(static_cast<double>(reference.standard_error->rgb[i]));
     }
     const auto size = static_cast<double>(x.rgb.size());
     return {.mse = mse / size,
             .rmse = std::sqrt(mse / size),
             .rel_mse = rel_mse / size,
             .mse_corrected = (mse - variance) / size - reference.mean_squared_bias([](std::size_t) { return 1.0; }),
-            .rel_mse_corrected = (rel_mse - rel_variance) / size - reference.mean_squared_bias(relative)};
+            .rel_mse_corrected = truth.squared_difference(x)};
 }
 
+ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators) {
+    require_same_size(denominators.plain(), reference.mean);
+    return image_error(x, reference, denominators, NoisyTruth(reference, denominators));
+}
+
+namespace {
+
+struct TrueError {
+    double rel_mse, rel_bias2;
+};
+
+/// Both errors against the truth. bias2 is the mean over pairs of different replicates, which is the squared difference of
+/// their mean less the sampling variance s^2 / n.
+TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
+    const auto n = static_cast<double>(replicates.size());
+    double rel_mse = 0;
+    Image mean = replicates.front();
+    for (const Image& x : replicates)
+        rel_mse += truth.squared_difference(x) / n;
+    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
+        double sum = 0;
+        for (const Image& x : replicates)
+            sum += double{x.rgb[i]};
+        mean.rgb[i] = static_cast<float>(sum / n);
+    }
+    if (replicates.size() < 2) return {rel_mse, std::numeric_limits<double>::quiet_NaN()};
+    const double sampling = truth.weighted_mean([&](std::size_t i) {
+        double scatter = 0;
+        for (const Image& x : replicates)
+            scatter += sqr(double{x.rgb[i]} - double{mean.rgb[i]});
+        return scatter / (n * (n - 1));
+    });
+    return {rel_mse, truth.squared_difference(mean) - sampling};
+}
+
+}  // namespace
+
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
-                                         const Image& r_total, double epsilon) {
+                                         const Denominators& denominators) {
     if (replicates.empty()) throw std::invalid_argument("replicate_statistics: no replicates");
     for (const Image& x : replicates)
         require_same_size(x, reference.mean);
     for (const Image& group : reference.groups)
         require_same_size(group, reference.mean);
-    require_same_size(r_total, reference.mean);
+    require_same_size(denominators.plain(), reference.mean);
 
     // Images with values that are not finite may give statistics that are not finite; this is not an error.
     const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
     const Moments plain = moments(replicates, reference, {});
-    const Moments relative = moments(replicates, reference, {&r_total, epsilon});
+    const Moments relative = moments(replicates, reference, {&denominators.plain(), denominators.epsilon()});
+    const TrueError truth = true_error(replicates, NoisyTruth(reference, denominators));
     ReplicateStatistics result{};
     result.seeds = static_cast<int>(replicates.size());
     result.mse = mse_of(plain);
@@ -426,17 +460,19 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     // The difference is negative where the reference's own variance exceeds the error; then there is no root.
     const double corrected = result.mse.value - plain.reference.variance - plain.reference.squared_bias;
     result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
-    result.rel_mse_corrected = result.rel_mse.value - relative.reference.variance - relative.reference.squared_bias;
+    result.rel_mse_corrected = truth.rel_mse;
     if (replicates.size() > 1) {
-        result.bias2 = bias2_of(plain);
+        result.bias2 = bias2_of(plain, pair_mean(plain.seeds).value - plain.reference.variance);
         result.variance = variance_of(plain);
-        result.rel_bias2 = bias2_of(relative);
+        // The interval comes from the weights of all groups: they change its width by no more than its own uncertainty.
+        const Moments smooth = moments(replicates, reference, {&denominators.smooth(), denominators.epsilon()});
+        result.rel_bias2 = bias2_of(smooth, truth.rel_bias2);
     }
     return result;
 }
 
-double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon) {
-    const Moments noise = moments({reference.mean}, reference, {&r_total, epsilon});
+double noise_floor_of(const ReferenceLayer& reference, const Denominators& denominators) {
+    const Moments noise = moments({reference.mean}, reference, {&denominators.smooth(), denominators.epsilon()});
     // Only the term of second order counts: an exact image has no bias whose product with the noise of the reference
     // could scatter.
     const auto m = static_cast<double>(noise.groups.rows());

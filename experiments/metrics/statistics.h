@@ -2,7 +2,7 @@
 // Errors of images against a reference. Several replicates of
 // a method give its bias and its variance, with intervals.
 
-#include "experiments/metrics/reference_image.h"
+#include "experiments/metrics/denominators.h"
 
 #include <optional>
 #include <vector>
@@ -11,15 +11,18 @@ namespace gib {
 
 /// Errors by the plain formulas, each a mean over pixels and channels. x is the image and r the reference.
 struct ImageError {
-    double mse;                               ///< (x - r)^2
-    double rmse;                              ///< sqrt(mse)
-    double rel_mse;                           ///< (x - r)^2 / (r_total^2 + epsilon)
-    double mse_corrected, rel_mse_corrected;  ///< with the reference's own variance subtracted; may be negative
+    double mse;      ///< (x - r)^2
+    double rmse;     ///< sqrt(mse)
+    double rel_mse;  ///< (x - r)^2 / (r_total^2 + epsilon)
+    /// Unbiased estimates of mse and rel_mse against the truth (Denominators); may be negative.
+    double mse_corrected, rel_mse_corrected;
 };
 
-/// `r_total` is the reference's total image, which is also the denominator for a component. A value of x that is not
-/// finite makes the result not finite. Throws InputError if sizes differ.
-ImageError image_error(const Image& x, const ReferenceLayer& reference, const Image& r_total, double epsilon);
+/// The denominators are those of the reference's total, also for a component; `truth` is made of `reference` and them. A value of x
+/// that is not finite makes the result not finite. Throws InputError if sizes differ.
+ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators,
+                       const NoisyTruth& truth);
+ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators);
 
 struct Interval {
     double lo, hi;
@@ -39,12 +42,12 @@ Estimate jackknife(double value, const std::vector<double>& without);
 struct ReplicateStatistics {
     int seeds;
     Estimate mse, rmse, rel_mse;  ///< mse and rel_mse: means over the replicates; rmse = sqrt(mse)
-    /// With the reference's own variance subtracted. rmse_corrected is NaN where that variance exceeds the error;
+    /// Estimates against the truth (ImageError). rmse_corrected is NaN where the reference's variance exceeds the error;
     /// rel_mse_corrected is unclipped.
     double rmse_corrected, rel_mse_corrected;
     std::optional<Estimate> bias2;     ///< from 2 seeds on: mean of (E x - r)^2, unbiased, unclipped
     std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of a replicate
-    /// The same as bias2 for the relative error; rel_mse_corrected - rel_bias2 is the part of the variance.
+    /// The same as bias2 for rel_mse_corrected; rel_mse_corrected - rel_bias2 is the part of the variance.
     std::optional<Estimate> rel_bias2;
 };
 
@@ -53,13 +56,13 @@ struct ReplicateStatistics {
 /// intervals of mse, rmse and rel_mse belong to the plain formulas, whose expectation contains the reference's
 /// variance. A NaN in a replicate gives NaN and no interval. Throws InputError if sizes differ.
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
-                                         const Image& r_total, double epsilon);
+                                         const Denominators& denominators);
 
 /// The noise floor of a reference: the relative squared error that is lost in the reference's own noise. For an exact
 /// image, one in forty references as noisy as this one shows a larger error after its own variance is subtracted. The
 /// floor is 1.96 standard errors of the mean of the squared noise, from the scatter of the groups; noise that is
 /// correlated over many pixels exceeds it twice as often. Without groups, the errors of pixels and channels are taken
 /// as independent. 0 without a standard error.
-double noise_floor_of(const ReferenceLayer& reference, const Image& r_total, double epsilon);
+double noise_floor_of(const ReferenceLayer& reference, const Denominators& denominators);
 
 }  // namespace gib

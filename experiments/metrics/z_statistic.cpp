@@ -40,7 +40,7 @@ namespace {
 
 /// Relative difference that rounding alone can cause between the means of float images.
 constexpr double rounding = 1e-5;
-constexpr int block_edge = 8, blocks_across = 8;
+constexpr int blocks_across = 8;
 constexpr int reach = 3;  // [blocks] to each side, of the surroundings of a block
 
 /// Raises the variance of each block to at least its share of the summed variance of the blocks around it. The shares
@@ -165,7 +165,7 @@ double channel_sum(const Image& image, std::size_t channel) {
 }
 
 void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, std::size_t channel,
-                  LayerZTest& result) {
+                  int block_edge, LayerZTest& result) {
     const Grid small = Grid::with_edge(r.mean.width, r.mean.height, block_edge);
     const Grid large = Grid::with_edge(small.columns.count, small.rows.count, blocks_across);
     std::vector<BlockSums> blocks = sums_in_blocks(x, r, channel, small);
@@ -197,12 +197,12 @@ std::size_t rejected_by_holm(std::vector<double> p, double alpha) {
 
 }  // namespace
 
-LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total) {
+LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, int block_edge) {
     if (!x.mean.same_size(r.mean) || !r_total.same_size(r.mean) || r.mean.pixels() == 0)
         throw std::invalid_argument("z_test: images of different sizes, or empty ones");
     LayerZTest result;
     for (std::size_t channel = 0; channel < 3; ++channel)
-        test_channel(x, r, r_total, channel, result);
+        test_channel(x, r, r_total, channel, block_edge, result);
     return result;
 }
 

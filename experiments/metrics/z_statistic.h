@@ -23,6 +23,7 @@ struct ZTestLimits {
 /// The sizes of blocks, from small to large. An image whose size is not a multiple of 8 is divided evenly, into
 /// blocks that are 6 to 11 pixels wide.
 inline constexpr std::size_t scale_count = 3;
+inline constexpr int z_block_edge = 8;
 inline constexpr std::array<const char*, scale_count> scale_names = {"8 x 8 blocks", "64 x 64 blocks", "whole image"};
 
 /// One hypothesis: the mean of a channel over a block is the same in the test and in the reference.
@@ -52,8 +53,9 @@ struct LayerZTest {
 
 /// `x`: the image to test, with its standard error and its replicates (as groups), if there are any; `r`: the
 /// reference; `r_total`: the reference's total. All values must be finite. Throws std::invalid_argument if sizes
-/// differ or an image is empty.
-LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total);
+/// differ or an image is empty. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
+LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total,
+                  int block_edge = z_block_edge);
 
 /// The decision over all layers, with Holm's correction at each scale.
 struct ZTestVerdict {

@@ -227,6 +227,8 @@ void add_reference(CLI::App& app, Action& action) {
                         "stop after the round of passes during which this time is used up, even if the target is not "
                         "reached; one round of 16 batches always completes");
     command->add_option("--epsilon", options->epsilon, epsilon_help);
+    command->add_option("--seed", options->seed, "references of different seeds are independent (default 1)")
+        ->check(seed_text());
     add_threads(command, options->threads);
     add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();

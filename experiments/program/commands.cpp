@@ -166,11 +166,12 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
                              .label = label,
                              .goal = goal,
                              .epsilon = options.epsilon,
-                             .path = options.out};
+                             .path = options.out,
+                             .seed = options.seed};
     const FileLock lock = lock_reference(options.out, [&](const std::string& owner) {
         progress.message(fmt::format("{}: {} is making it; waiting until it has ended", options.out, owner));
     });
-    if (!options.replace) require_own_reference(options.out, loaded, label);
+    if (!options.replace) require_own_reference(options.out, reference_key(loaded.content_hash, label, options.seed));
     with_threads(options.threads, [&] { finished = make_reference(work, progress); });
     for (const auto& warning : finished.warnings)
         progress.message("warning: " + warning);

@@ -28,6 +28,7 @@ struct ReferenceOptions {
     std::optional<std::string> target;
     std::optional<double> seconds;
     std::optional<double> epsilon;  ///< epsilon of the relative error [radiance^2]; none: the default (epsilon.h)
+    std::uint64_t seed = 1;
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;

@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 struct Subject {
     std::vector<Image> tests;
     const ReferenceLayer& reference;
-    const Image& r_total;
+    const Denominators& denominators;
 };
 
 void put(Json& json, const std::string& name, const std::optional<Estimate>& e, bool root = false) {
@@ -63,13 +63,15 @@ double mean_flip(const Subject& subject) {
 /// Components have no FLIP, because viewers see the whole image only.
 enum class Flip { measured, left_out };
 
-Json metrics(const Subject& subject, double epsilon, Flip flip) {
-    const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.r_total, epsilon);
+Json metrics(const Subject& subject, Flip flip) {
+    const double epsilon = subject.denominators.epsilon();
+    const Image& r_total = subject.denominators.plain();
+    const ReplicateStatistics s = replicate_statistics(subject.tests, subject.reference, subject.denominators);
     std::size_t nonfinite = 0;
     for (const Image& image : subject.tests)
         nonfinite += image.non_finite_values();
     // Values that are not finite would dominate the spectrum.
-    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, subject.r_total) : std::nullopt;
+    const auto noise = nonfinite == 0 ? noise_spectrum(subject.tests, r_total) : std::nullopt;
     Json json;
     json["seeds"] = s.seeds;
     json["epsilon"] = epsilon;
@@ -79,7 +81,7 @@ Json metrics(const Subject& subject, double epsilon, Flip flip) {
     put(json, "rel_rmse", s.rel_mse, true);
     json["rmse_corrected"] = number_to_json<Json>(s.rmse_corrected);
     json["rel_mse_corrected"] = number_to_json<Json>(s.rel_mse_corrected);
-    const RobustError robust = robust_error(subject.tests, subject.reference.mean, subject.r_total, epsilon);
+    const RobustError robust = robust_error(subject.tests, subject.reference.mean, r_total, epsilon);
     json["rel_mse_median"] = number_to_json<Json>(robust.median);
     json["rel_mse_trimmed"] = number_to_json<Json>(robust.trimmed);
     json["rel_mse_top_share"] = number_to_json<Json>(robust.share);
@@ -185,7 +187,7 @@ ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<
                      const std::vector<LayeredImage>& files, const Reference& reference) {
     const Subject& total = subjects.front().second;
     if (!options.variance.empty())
-        return mitsuba_z_report(total.tests.front(), total.r_total, options.variance, options.test_spp);
+        return mitsuba_z_report(total.tests.front(), total.denominators.plain(), options.variance, options.test_spp);
     require_different_seeds(files, options.tests);
     Reference own = reference_in(files.front(), options.tests.front());
     own.unresolved = reference.unresolved;
@@ -234,11 +236,12 @@ int compare(const CompareOptions& options, std::ostream& out) {
     const Reference reference = read_reference(options.reference);
     require_finite(options.reference, "the image", reference.total);
     const Judgement judgement(reference);
+    const Denominators& denominators = judgement.denominators(judgement.epsilon(options.epsilon));
     const Image& r = judgement.total().mean;
 
     std::vector<LayeredImage> files;
     std::vector<std::pair<std::string, Subject>> subjects;
-    subjects.emplace_back(total_name, Subject{{}, judgement.total(), r});
+    subjects.emplace_back(total_name, Subject{{}, judgement.total(), denominators});
     for (const std::string& path : options.tests) {
         files.push_back(read_image(path));
         subjects.front().second.tests.push_back(judged_total(files.back(), reference, judgement, path));
@@ -251,17 +254,18 @@ int compare(const CompareOptions& options, std::ostream& out) {
         const ReferenceLayer* layer = judgement.component(c);
         if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
         require_finite(options.reference, name, *layer);
-        subjects.emplace_back(name, Subject{{}, *layer, r});
+        subjects.emplace_back(name, Subject{{}, *layer, denominators});
         for (const LayeredImage& file : files)
             subjects.back().second.tests.push_back(*file.find(name));
     }
     std::optional<ZTestReport> z;
-    if (options.z_test) z = z_report(options, subjects, files, reference);
+    // Two references are always tested, with the errors of both.
+    if (options.z_test || (files.size() == 1 && files.front().find("stderr") && reference.total.standard_error))
+        z = z_report(options, subjects, files, reference);
 
-    const double epsilon = judgement.epsilon(options.epsilon);
     Json json, components = Json::object();
     for (std::size_t i = 0; i < subjects.size(); ++i) {
-        Json values = metrics(subjects[i].second, epsilon, i == 0 ? Flip::measured : Flip::left_out);
+        Json values = metrics(subjects[i].second, i == 0 ? Flip::measured : Flip::left_out);
         if (z && i < z->layers.size()) values.update(z->layers[i]);
         (i == 0 ? json : components[subjects[i].first]) = std::move(values);
     }
@@ -270,7 +274,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
         for (Component c : reference.unresolved)
             json["unresolved"].push_back(std::string(name_of(c)));
     }
-    const int code = z && !z->accepted ? 1 : 0;
+    const int code = options.z_test && !z->accepted ? 1 : 0;
     if (options.json) {
         if (z) json.update(z->json);
         json["components"] = components;

@@ -74,10 +74,14 @@ void put_scale(Json& json, const std::string& key, const ZTestVerdict::Scale& sc
 Json layer_json(const LayerZTest& layer) {
     Json json;
     for (std::size_t s = 0; s < scale_count; ++s) {
-        double smallest = 1;
-        for (const BlockTest& test : layer.tests[s])
+        double smallest = 1, within = 0;
+        for (const BlockTest& test : layer.tests[s]) {
             smallest = std::min(smallest, test.p);
+            within += test.p >= interval_tail ? 1 : 0;
+        }
         json[std::string(scale_keys[s]) + "_smallest_p"] = smallest;
+        // The share of the blocks whose 95 % interval holds no difference.
+        json[std::string(scale_keys[s]) + "_within"] = within / static_cast<double>(layer.tests[s].size());
     }
     for (const char* key : {"z_deviation", "z_deviation_lo", "z_deviation_hi", "z_reference_share"})
         json[key] = Json::array();

@@ -2,7 +2,6 @@
 
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
-#include "experiments/measuring/reference.h"
 
 #include <map>
 
@@ -27,16 +26,17 @@ void require_no_reference(const std::string& path) {
                attribute(*image, "scene"), attribute(*image, "method"));
 }
 
-void require_own_reference(const std::string& path, const LoadedScene& scene, const MethodLabel& method) {
+void require_own_reference(const std::string& path, const std::string& key) {
     const auto image = exr_attributes(path);
     if (!image) return;
     const auto replace = "give another -o, or --replace";
     if (image->count("reference_key") == 0)
         reject({path}, "this is an image, but no reference, and would be lost; {}", replace);
-    if (attribute(*image, "reference_key") != reference_key(scene.content_hash, method))
-        reject({path},
-               "this is the reference of another scene, scene file or method ('{}' by '{}'), and would be lost; {}",
-               attribute(*image, "scene"), attribute(*image, "method"), replace);
+    if (attribute(*image, "reference_key") != key)
+        reject(
+            {path},
+            "this is the reference of another scene, scene file, method or seed ('{}' by '{}'), and would be lost; {}",
+            attribute(*image, "scene"), attribute(*image, "method"), replace);
 }
 
 }  // namespace gib

@@ -73,12 +73,20 @@ Image Judgement::total_of(const LayeredImage& file) const {
     return has_parts || !sum ? total_of(parts) : *sum;
 }
 
+const Denominators& Judgement::denominators(double epsilon) const {
+    if (denominators_ && denominators_->epsilon() == epsilon) return *denominators_;
+    truths_.clear();
+    return denominators_.emplace(empty_ ? reference_.total : total(), epsilon);
+}
+
 std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum,
                                                     double epsilon) const {
     std::map<std::string, ImageError> errors;
+    const Denominators& with = denominators(epsilon);
     for (const auto& [name, layer] : layers()) {
         const auto c = component_named(name);
-        if (!c || image[*c]) errors[name] = image_error(c ? *image[*c] : sum, *layer, total().mean, epsilon);
+        const NoisyTruth& truth = truths_.try_emplace(name, *layer, with).first->second;
+        if (!c || image[*c]) errors[name] = image_error(c ? *image[*c] : sum, *layer, with, truth);
     }
     return errors;
 }

@@ -4,7 +4,7 @@
 #include "common/images/image.h"
 #include "common/images/image_file.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/metrics/reference_image.h"
+#include "experiments/metrics/statistics.h"
 #include "experiments/results/result_folder.h"
 
 #include <map>
@@ -18,6 +18,8 @@ class Judgement {
 public:
     /// `reference` has to outlive this object.
     explicit Judgement(const Reference& reference);
+    Judgement(const Judgement&) = delete;
+    Judgement& operator=(const Judgement&) = delete;
 
     bool is_resolved(Component c) const;
     /// Whether there is nothing to judge: components are unresolved, and no other one holds light.
@@ -39,6 +41,8 @@ public:
     double epsilon(const std::optional<double>& given) const {
         return epsilon_of(given, (empty_ ? reference_.total : total()).mean);
     }
+    /// The denominators of the relative errors of all layers.
+    const Denominators& denominators(double epsilon) const;
     /// The errors, by name, of the total, unless it is empty, and of each judged component that both the image and the
     /// reference have.
     std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const {
@@ -54,6 +58,8 @@ private:
     const Reference& reference_;
     std::optional<ReferenceLayer> partial_total_;
     bool empty_ = false;
+    mutable std::optional<Denominators> denominators_;  ///< made when they are asked for first
+    mutable std::map<std::string, NoisyTruth> truths_;  ///< by layer, with these denominators
 };
 
 }  // namespace gib

@@ -6,8 +6,10 @@
 #include "common/images/image_digest.h"
 #include "common/sampling/sampler.h"
 
+#include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
+#include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/reference_methods.h"
 #include "tests/support/constant_image.h"
@@ -106,6 +108,56 @@ TEST_F(ReferenceCacheTest, AnotherSceneIsNoticed) {
     make(0.05);
     scene_.content_hash[0] = scene_.content_hash[0] == '0' ? '1' : '0';
     EXPECT_THAT(make(0.05).warnings, Contains(HasSubstr("not the reference of this scene")));
+}
+
+// Two makers, one of which lacks a fiftieth of the light: too little for the pilot to see.
+TEST_F(ReferenceCacheTest, AMakerThatLacksLightIsLeftOut) {
+    const auto maker = []<int percent>(std::integral_constant<int, percent>, const char* name) {
+        MethodDescription method = fake_method();
+        method.name = name;
+        method.create = [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
+            return std::make_unique<FakeMethod>(FakeBehaviour{.noise = 0.1, .unit = 0.01f * percent});
+        };
+        return method;
+    };
+    const MethodDescription whole = maker(std::integral_constant<int, 100>(), "whole"),
+                            lacking = maker(std::integral_constant<int, 98>(), "lacking");
+    const ReferenceWork work{.scene = scene_,
+                             .methods = {&lacking, &whole},
+                             .label = {"auto", {}},
+                             .goal = {0.002, std::nullopt},
+                             .epsilon = 0.01,
+                             .path = path_};
+    ProgressLine progress(false);
+    const FinishedReference r = make_reference(work, progress);
+    EXPECT_NEAR(mean_of(r.reference.total.mean)[0], 1, 0.001);
+    EXPECT_LE(r.relative_error, 0.002);
+    EXPECT_TRUE(r.reference.unresolved.empty());
+    const MakerShare& share = shares_in(r.reference.metadata.at("makers")).at(0);
+    EXPECT_EQ(share.weights[static_cast<std::size_t>(index_of(Component::direct))], 0) << share.method;
+}
+
+TEST_F(ReferenceCacheTest, OfAnotherSeedIsIndependent) {
+    const auto made = [&](std::uint64_t seed, const std::string& file) {
+        ProgressLine progress(false);
+        return make_reference({.scene = scene_,
+                               .methods = {&method_},
+                               .label = {"fake", {}},
+                               .goal = {0.05, std::nullopt},
+                               .epsilon = 0.01,
+                               .path = folder_ / file,
+                               .seed = seed},
+                              progress)
+            .reference.total;
+    };
+    const ReferenceLayer one = made(1, "one.exr"), two = made(2, "two.exr");
+    EXPECT_EQ(made(1, "again.exr").mean.rgb, one.mean.rgb);
+    double product = 0, square = 0;
+    for (std::size_t i = 0; i < one.mean.rgb.size(); i += 3) {
+        product += (double{one.mean.rgb[i]} - 1) * (double{two.mean.rgb[i]} - 1);
+        square += sqr(double{one.mean.rgb[i]} - 1);
+    }
+    EXPECT_LT(std::abs(product / square), 0.5) << "4 standard errors of the correlation of 64 pixels";
 }
 
 /// The digest of all that a top-up starts from.
@@ -374,7 +426,8 @@ TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
             }
             groups.add_round(images, passes);
         }
-        return relative_standard_error(groups.reference().total, 0.01);
+        const ReferenceLayer total = groups.reference().total;
+        return relative_standard_error(total, {total, 0.01});
     };
     const double few = error_of(0, rounds), many = error_of(rounds, 4 * rounds);
     EXPECT_NEAR(2 * std::log(few / many), std::log(4), 0.212);
@@ -394,6 +447,34 @@ TEST(StoredReference, OfSeveralMakersIsNotToppedUpWithoutNeed) {
     const FinishedReference first = make_reference(work, progress);
     ASSERT_LT(passes_of(first), 8u);
     EXPECT_EQ(make_reference(work, progress).rounds_added, 0u);
+}
+
+// A lamp of 4 mm in view and the caustic of a glass ball under it: rays from the camera hardly ever meet it, so that path tracing
+// alone finds no light of either and shows no noise. The other methods connect the lamp to the camera.
+TEST(StoredReference, HoldsTheLightOfASmallLampOrSaysThatItDoesNot) {
+    const TemporaryFolder folder;
+    const auto wall = [](const std::string& place) { return shape("rectangle", to_world(place), diffuse(0.7)); };
+    const LoadedScene scene =
+        Scene(element("sensor", "perspective", number("fov", 50), to_world(look_at("0.2, 1.2, 2.6", "0, 0.9, 0")),
+                      box_film(16)))
+            .add(wall(rotate('x', -90)))
+            .add(wall(translate(0, 1, -1)))
+            .add(shape("rectangle", to_world(scale(0.002) + rotate('x', 90) + translate(0, 1.9, 0)), bsdf("diffuse"),
+                       area_light(156250)))
+            .add(shape("sphere", center(-0.35, 0.35, 0.1), radius(0.35), bsdf("dielectric")))
+            .load();
+    const ReferenceWork work{.scene = scene,
+                             .methods = reference_methods({"auto", {}}),
+                             .label = {"auto", {}},
+                             .goal = {0.1, std::nullopt},
+                             .epsilon = std::nullopt,
+                             .path = folder / "reference.exr"};
+    ProgressLine progress(false);
+    const Reference r = make_reference(work, progress).reference;
+    for (const Component c : {Component::emission, Component::caustic}) {
+        const bool is_resolved = std::find(r.unresolved.begin(), r.unresolved.end(), c) == r.unresolved.end();
+        EXPECT_TRUE(!is_resolved || mean_of(r[c]->mean).sum() > 0) << name_of(c);
+    }
 }
 
 TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {

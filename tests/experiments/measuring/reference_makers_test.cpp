@@ -2,6 +2,8 @@
 
 #include "experiments/measuring/reference_makers.h"
 
+#include "experiments/measuring/reference_agreement.h"
+
 #include "common/sampling/sampler.h"
 #include "experiments/plan/reference_methods.h"
 #include "tests/support/lit_rooms.h"
@@ -60,33 +62,46 @@ TEST(MakerPlan, WeighsByPassesAndVariance) {
     EXPECT_NEAR(weight(plan, 0, Component::direct) + weight(plan, 1, Component::direct), 1, 1e-12);
 }
 
-// One maker is better at both components: it gets all the time. If it takes longer, the other does.
-TEST(MakerPlan, GivesTheTimeToTheCheaperMaker) {
+// One maker is better at both components: it gets nine tenths of the work, and the other a tenth as the second opinion. If a pass
+// of the better one takes longer, the other gets the nine tenths.
+TEST(MakerPlan, GivesTheWorkToTheCheaperMakerButForASecondOpinion) {
     const Made better{.direct_noise = 0.1, .caustic_noise = 0.1}, worse{.direct_noise = 0.2, .caustic_noise = 0.2};
     const MakerPlan plan = plan_of(better, worse);
-    EXPECT_GT(plan.shares[0].passes, 0u);
-    EXPECT_EQ(plan.shares[1].passes, 0u);
-    EXPECT_EQ(weight(plan, 0, Component::direct), 1);
-    // The predicted squared error of one second: the variances of both components over r^2 + epsilon.
-    EXPECT_NEAR(plan.error2_work, 2 * 0.01 / (4 + 0.01), 0.05 * 0.005);
+    EXPECT_EQ(plan.shares[0].passes, 9u);
+    EXPECT_EQ(plan.shares[1].passes, 1u);
+    // Weights by precision: 9 / 0.01 and 1 / 0.04.
+    EXPECT_NEAR(weight(plan, 0, Component::direct), 36.0 / 37, 0.01);
+    // The predicted squared error of one unit of work: the variances of both components over r^2 + epsilon.
+    EXPECT_NEAR(plan.error2_work, 2 * 10 / (900 + 25.0) / (4 + 0.01), 0.05 * 0.005);
     const MakerPlan slow = plan_of(better, worse, 100);
-    EXPECT_EQ(slow.shares[0].passes, 0u);
+    EXPECT_LT(100 * slow.shares[0].passes, slow.shares[1].passes);
 }
 
 // Each maker is a little better at one component: together they would be 3 % sooner, which is not worth it.
 TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
     const MakerPlan plan =
         plan_of({.direct_noise = 0.1, .caustic_noise = 0.12}, {.direct_noise = 0.12, .caustic_noise = 0.1});
-    EXPECT_EQ(plan.shares[0].passes + plan.shares[1].passes, 1u);
-    const std::size_t busy = plan.shares[0].passes > 0 ? 0 : 1;
-    EXPECT_EQ(weight(plan, busy, Component::direct), 1);
-    EXPECT_EQ(weight(plan, 1 - busy, Component::caustic), 0);
+    EXPECT_EQ(plan.shares[0].passes + plan.shares[1].passes, 10u);
+    EXPECT_EQ(std::max(plan.shares[0].passes, plan.shares[1].passes), 9u);
 }
 
-// A maker without noise that lacks light has not found it yet.
-TEST(MakerPlan, TakesLackingLightForVariance) {
+// A maker without noise that lacks light has not found it yet: beyond doubt, or not.
+TEST(MakerPlan, LeavesAComponentToTheMakerThatLacksNone) {
     const MakerPlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
-    EXPECT_LT(weight(plan, 0, Component::caustic), 0.1);
+    EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
+    EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
+    const MakerPlan doubtful = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 40});
+    EXPECT_GT(weight(doubtful, 1, Component::caustic), 0);
+}
+
+// The lamp in view that only one maker finds, and finds without noise, is made by it although the other one is better at the rest.
+TEST(MakerPlan, HasAMakerForEveryComponentThatIsLit) {
+    const Made blind{.caustic = 0, .caustic_noise = 0};
+    const MakerPlan plan = plan_of(blind, {.direct_noise = 0.4, .caustic_noise = 0});
+    EXPECT_GT(plan.shares[0].passes, plan.shares[1].passes);
+    EXPECT_GT(plan.shares[1].passes, 0u);
+    EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
+    EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
 }
 
 TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
@@ -110,18 +125,52 @@ TEST(MakerPlan, IsReadFromItsText) {
 }
 
 TEST(MakerAgreement, SaysWhoDisagreesAboutWhatAndWhere) {
-    MakerShare a{"a", 1, {}}, b{"b", 1, {}};
-    a.weights.fill(0.5);
-    b.weights.fill(0.5);
+    const auto all = [](std::size_t, Component) { return true; };
     MakerAgreement agree(2), differ(2);
     agree.add(0, groups_of({}, 1), 1);
     agree.add(1, groups_of({.direct_noise = 0.3}, 2), 1);
-    EXPECT_EQ(agree.disagreement({a, b}), "");
+    EXPECT_FALSE(agree.between_makers(all));
     differ.add(0, groups_of({}, 1), 1);
     differ.add(1, groups_of({.lacking = 0.05}, 2), 1);
-    EXPECT_THAT(differ.disagreement({a, b}), HasSubstr("'a' and 'b' disagree about the component direct"));
-    b.weights.fill(0);  // a maker that takes no part is not asked
-    EXPECT_EQ(differ.disagreement({a, b}), "");
+    const auto found = differ.between_makers(all);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->component, Component::direct);
+    EXPECT_EQ(found->lesser(), 1u);
+    EXPECT_LE(found->where.x + found->where.width, 32);
+    EXPECT_THAT(text_of(found->where), HasSubstr("standard errors"));
+    EXPECT_FALSE(differ.between_makers([](std::size_t m, Component) { return m == 0; })) << "not asked";
+}
+
+// One block of 8 x 8 pixels among 16 has a tenth more light.
+TEST(MakerAgreement, FindsASmallRegion) {
+    MakerAgreement makers(2);
+    std::vector<ComponentImages> groups = groups_of({}, 2);
+    for (ComponentImages& group : groups)
+        for (int y = 8; y < 16; ++y)
+            for (int x = 16; x < 24; ++x)
+                group[Component::caustic]->set(static_cast<std::size_t>(32 * y + x), Color::Constant(1.1f));
+    makers.add(0, groups_of({}, 1), 1);
+    makers.add(1, groups, 1);
+    const auto found = makers.between_makers([](std::size_t, Component) { return true; });
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->component, Component::caustic);
+    EXPECT_EQ((std::array{found->where.x, found->where.y, found->where.width, found->where.height}),
+              (std::array{16, 8, 8, 8}));
+    EXPECT_EQ(found->lesser(), 0u);
+}
+
+// A pilot of 4 groups has seen light that the finished reference lacks.
+TEST(MakerAgreement, ComparesThePilotsWithTheReference) {
+    MakerAgreement makers(2);
+    makers.set_pilot(0, groups_of({}, 1));
+    makers.set_pilot(1, groups_of({.direct_noise = 0.3}, 2));
+    EXPECT_TRUE(makers.with_pilots(groups_of({}, 3)).empty());
+    const auto found = makers.with_pilots(groups_of({.caustic = 0, .caustic_noise = 0}, 3));
+    ASSERT_EQ(found.size(), 2u);
+    for (const Disagreement& one : found) {
+        EXPECT_EQ(one.component, Component::caustic);
+        EXPECT_GT(one.where.deviation, 0);
+    }
 }
 
 TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {

@@ -99,7 +99,7 @@ TEST_P(Coverage, OfErrorsHoldsWhereFewPixelsCarryTheError) {
             int hits[3] = {};
             for (int i = 0; i < experiments; ++i) {
                 const Replicates r(GetParam(), random, seeds, biased);
-                const auto s = replicate_statistics(r.images, r.reference, Image(edge, edge), 1);
+                const auto s = replicate_statistics(r.images, r.reference, {Image(edge, edge), 1});
                 hits[0] += contains(s.bias2->interval, bias2);
                 hits[1] += contains(s.variance->interval, 1);
                 hits[2] += contains(s.rel_mse.interval, mse);
@@ -121,7 +121,7 @@ TEST_P(Coverage, OfThreeSeedsCostsNoMoreWidthThanTheJackknife) {
     double width = 0, scatter = 0;
     for (int i = 0; i < experiments; ++i) {
         const Replicates r(GetParam(), random, 3, false);
-        const auto bias2 = *replicate_statistics(r.images, r.reference, Image(edge, edge), 1).bias2;
+        const auto bias2 = *replicate_statistics(r.images, r.reference, {Image(edge, edge), 1}).bias2;
         width += (bias2.interval->hi - bias2.interval->lo) / 2 / experiments;
         scatter += sqr(bias2.value) / experiments;
     }

@@ -117,8 +117,8 @@ std::vector<double> relative_numbers(double unit, const std::optional<double>& g
     const ReferenceLayer r = reference_in(unit);
     const std::vector<Image> x = shaded_images(5, 1.1, unit, 3);
     const double epsilon = epsilon_of(given, r.mean);
-    const ImageError single = image_error(x[0], r, r.mean, epsilon);
-    const ReplicateStatistics all = replicate_statistics(x, r, r.mean, epsilon);
+    const ImageError single = image_error(x[0], r, {r, epsilon});
+    const ReplicateStatistics all = replicate_statistics(x, r, {r, epsilon});
     const RobustError robust = robust_error(x, r.mean, r.mean, epsilon);
     return {single.rel_mse,
             single.rel_mse_corrected,
@@ -130,9 +130,9 @@ std::vector<double> relative_numbers(double unit, const std::optional<double>& g
             robust.median,
             robust.trimmed,
             robust.share,
-            noise_floor_of(r, r.mean, epsilon),
-            relative_standard_error(r, epsilon),
-            relative_bias(r, epsilon)};
+            noise_floor_of(r, {r, epsilon}),
+            relative_standard_error(r, {r, epsilon}),
+            relative_bias(r, {r, epsilon})};
 }
 
 TEST(RelativeEpsilon, IsTheSquareOfATenthOfTheMeanLuminance) {
@@ -209,8 +209,9 @@ ReferenceLayer layer(double shift, double bias, std::uint64_t seed) {
 // The square of the estimate's own noise does not count as bias.
 TEST(ReferenceBias, IsPartOfTheReferencesError) {
     const double standard_error = group_noise / std::sqrt(reference_groups);
-    EXPECT_NEAR(relative_standard_error(layer(0, 0, 1), 0), standard_error, 0.05 * standard_error);
-    EXPECT_NEAR(relative_standard_error(layer(0, 0.05, 1), 0), std::hypot(standard_error, 0.05), 0.002);
+    EXPECT_NEAR(relative_standard_error(layer(0, 0, 1), {layer(0, 0, 1), 0}), standard_error, 0.05 * standard_error);
+    EXPECT_NEAR(relative_standard_error(layer(0, 0.05, 1), {layer(0, 0.05, 1), 0}), std::hypot(standard_error, 0.05),
+                0.002);
 }
 
 TEST(ReferenceBias, IsStoredInTheFile) {
@@ -235,17 +236,17 @@ TEST(ReferenceBias, WidensEveryInterval) {
     x.bias.clear();
     const auto verdict = [&] { return verdict_of({{"total", z_test(x, r, r.mean)}}, {}); };
     const auto footing = [&] { return equal_footing(x.groups, r, r.mean)->verdict; };
-    const auto bias2 = [&] { return replicate_statistics(x.groups, r, r.mean, 0.01).bias2->interval->lo; };
+    const auto bias2 = [&] { return replicate_statistics(x.groups, r, {r, 0.01}).bias2->interval->lo; };
     EXPECT_FALSE(verdict().differs);
     EXPECT_NE(footing(), FootingVerdict::differs);
     EXPECT_LE(bias2(), 0);
-    EXPECT_NEAR(image_error(x.mean, r, r.mean, 0.01).mse_corrected, 0, 2e-3);
-    const double floor = noise_floor_of(r, r.mean, 0.01);
+    EXPECT_NEAR(image_error(x.mean, r, {r, 0.01}).mse_corrected, 0, 2e-3);
+    const double floor = noise_floor_of(r, {r, 0.01});
     r.bias.clear();
     EXPECT_TRUE(verdict().differs);
     EXPECT_EQ(footing(), FootingVerdict::differs);
     EXPECT_GT(bias2(), 0);
-    EXPECT_NEAR(floor - noise_floor_of(r, r.mean, 0.01), 0.05 * 0.05 / (1.05 * 1.05 + 0.01), 3e-4);
+    EXPECT_NEAR(floor - noise_floor_of(r, {r, 0.01}), 0.05 * 0.05 / (1.05 * 1.05 + 0.01), 3e-4);
 }
 
 }  // namespace

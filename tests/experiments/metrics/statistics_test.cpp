@@ -76,7 +76,7 @@ struct Synthetic {
             replicates.push_back(draw(random, biased, 1));
         for (int g = 0; g < reference_groups; ++g)
             groups.push_back(draw(random, truth, reference_noise));
-        return replicate_statistics(replicates, layer_of_groups(groups), truth, 0.01);
+        return replicate_statistics(replicates, layer_of_groups(groups), {truth, 0.01});
     }
 };
 
@@ -111,7 +111,7 @@ TEST(StudentT, HalfWidthsScaleWithAnyUnit) {
 TEST(ImageError, IsThePlainFormula) {
     const Image r = constant(3, 2, 2), total = constant(3, 2, 4), x = constant(3, 2, 2.5f);
     ReferenceLayer reference{r, constant(3, 2, 0.1f), {}};
-    const ImageError e = image_error(x, reference, total, 0.01);
+    const ImageError e = image_error(x, reference, {total, 0.01});
     EXPECT_NEAR(e.mse, 0.25, 1e-12);
     EXPECT_NEAR(e.rmse, 0.5, 1e-12);
     EXPECT_NEAR(e.rel_mse, 0.25 / 16.01, 1e-12);
@@ -123,20 +123,20 @@ TEST(ImageError, NanIsNotHidden) {
     Image x = constant(3, 2, 1);
     x.rgb[7] = std::numeric_limits<float>::quiet_NaN();
     const ReferenceLayer reference{constant(3, 2, 1), std::nullopt, {}};
-    const ImageError e = image_error(x, reference, reference.mean, 0.01);
+    const ImageError e = image_error(x, reference, {reference.mean, 0.01});
     EXPECT_TRUE(std::isnan(e.mse) && std::isnan(e.rmse) && std::isnan(e.rel_mse));
-    const auto s = replicate_statistics({x, x, constant(3, 2, 1), constant(3, 2, 1)}, reference, reference.mean, 0.01);
+    const auto s = replicate_statistics({x, x, constant(3, 2, 1), constant(3, 2, 1)}, reference, {reference.mean, 0.01});
     EXPECT_TRUE(std::isnan(s.mse.value) && std::isnan(s.rel_mse.value) && std::isnan(s.rmse.value));
     EXPECT_TRUE(std::isnan(s.bias2->value) && std::isnan(s.variance->value));
     EXPECT_FALSE(s.mse.interval || s.bias2->interval || s.variance->interval);
-    EXPECT_THROW(image_error(constant(2, 3, 1), reference, reference.mean, 0.01), InputError);
+    EXPECT_THROW(image_error(constant(2, 3, 1), reference, {reference.mean, 0.01}), InputError);
 }
 
 TEST(ReferenceImage, LayerOfGroupsHasTheirMeanAndItsStandardError) {
     const ReferenceLayer layer = layer_of_groups({constant(2, 2, 1), constant(2, 2, 2), constant(2, 2, 6)});
     EXPECT_FLOAT_EQ(layer.mean.rgb[5], 3);
     EXPECT_FLOAT_EQ(layer.standard_error->rgb[5], std::sqrt(7.f / 3));
-    EXPECT_NEAR(relative_standard_error(layer, 1), std::sqrt(7.0 / 3 / 10), 1e-7);
+    EXPECT_NEAR(relative_standard_error(layer, {layer, 1}), std::sqrt(7.0 / 3 / 10), 1e-7);
     EXPECT_FALSE(layer_of_groups({constant(2, 2, 1)}).standard_error.has_value());
 }
 
@@ -171,12 +171,12 @@ TEST(ReplicateStatistics, MseIsBias2PlusVarianceWithAnExactReference) {
     std::vector<Image> replicates;
     for (int i = 0; i < 4; ++i)
         replicates.push_back(method.draw(random, method.biased, 1));
-    const auto s = replicate_statistics(replicates, exact, method.truth, 0.01);
+    const auto s = replicate_statistics(replicates, exact, {method.truth, 0.01});
     EXPECT_NEAR(s.mse.value, s.bias2->value + s.variance->value, 1e-9);
     double mse = 0, rel_mse = 0;
     for (const Image& x : replicates) {
-        mse += image_error(x, exact, method.truth, 0.01).mse / 4;
-        rel_mse += image_error(x, exact, method.truth, 0.01).rel_mse / 4;
+        mse += image_error(x, exact, {method.truth, 0.01}).mse / 4;
+        rel_mse += image_error(x, exact, {method.truth, 0.01}).rel_mse / 4;
     }
     EXPECT_NEAR(s.mse.value, mse, 1e-9);
     EXPECT_NEAR(s.rel_mse.value, rel_mse, 1e-9);
@@ -185,12 +185,12 @@ TEST(ReplicateStatistics, MseIsBias2PlusVarianceWithAnExactReference) {
 
 TEST(ReplicateStatistics, OneSeedHasNoIntervalAndNoSplit) {
     const ReferenceLayer exact{constant(4, 4, 1), std::nullopt, {}};
-    const auto s = replicate_statistics({constant(4, 4, 2)}, exact, exact.mean, 0.01);
+    const auto s = replicate_statistics({constant(4, 4, 2)}, exact, {exact.mean, 0.01});
     EXPECT_EQ(s.seeds, 1);
     EXPECT_NEAR(s.mse.value, 1, 1e-12);
     EXPECT_FALSE(s.mse.interval || s.bias2 || s.variance);
     // Deterministic replicates have only bias, with intervals of width zero.
-    const auto same = replicate_statistics(std::vector<Image>(4, constant(4, 4, 2)), exact, exact.mean, 0.01);
+    const auto same = replicate_statistics(std::vector<Image>(4, constant(4, 4, 2)), exact, {exact.mean, 0.01});
     EXPECT_NEAR(same.bias2->value, 1, 1e-12);
     EXPECT_NEAR(same.bias2->interval->hi, 1, 1e-12);
     EXPECT_EQ(same.variance->value, 0);
@@ -257,13 +257,13 @@ TEST(ResolvedError, IsWhatAPerfectImageSeemsToHaveInOneOfForty) {
             for (std::size_t p = 0; p < group.pixels(); ++p)
                 group.set(p, Color::Constant(1 + 0.1f * static_cast<float>(normal(random))));
         const ReferenceLayer reference = layer_of_groups(groups);
-        const double noise_floor = noise_floor_of(reference, one, 0);
+        const double noise_floor = noise_floor_of(reference, {one, 0});
         mean += noise_floor / 1000;
-        above += image_error(one, reference, one, 0).rel_mse_corrected > noise_floor;
+        above += image_error(one, reference, {one, 0}).rel_mse_corrected > noise_floor;
     }
     EXPECT_NEAR(mean, exact, 0.02 * exact);
     EXPECT_NEAR(above, 25, 15);
-    EXPECT_EQ(noise_floor_of({one, {}, {}}, one, 0), 0) << "no standard error: taken as exact";
+    EXPECT_EQ(noise_floor_of({one, {}, {}}, {one, 0}), 0) << "no standard error: taken as exact";
 }
 
 TEST(TimeToError, InterpolatesInTheLogarithms) {

@@ -106,7 +106,7 @@ TEST(PhotonMapper, BiasShrinksWithThePhotonCount) {
         for (std::uint64_t seed = 1; seed <= seeds; ++seed)
             replicates.push_back(
                 *render(scene, std::string("photon_mapper k=200 photons=") + photons, 16, seed)[Component::indirect]);
-        const auto bias2 = replicate_statistics(replicates, reference, reference.mean, 0.01).bias2;
+        const auto bias2 = replicate_statistics(replicates, reference, {reference.mean, 0.01}).bias2;
         ASSERT_TRUE(bias2 && bias2->interval);
         std::cout << "photons=" << photons << ": bias^2 " << bias2->value << " [" << bias2->interval->lo << ", "
                   << bias2->interval->hi << "]\n";

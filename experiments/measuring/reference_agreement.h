@@ -1,0 +1,89 @@
+#pragma once
+// Tests whether the makers of a reference agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole image
+// (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
+
+#include "experiments/metrics/block_sums.h"
+#include "experiments/metrics/contradiction.h"
+
+#include "common/images/image.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+inline constexpr int agreement_edge = 8;  ///< [pixels]
+
+/// The means over blocks of pixels.
+Image block_means(const Image& image);
+ComponentImages block_means(const ComponentImages& images);
+
+/// The most significant difference between two sets of groups, which hold block means, about a component; empty if there is
+/// none. Its place is in blocks.
+std::optional<BlockTest> disagreement(const std::vector<ComponentImages>& a, const std::vector<ComponentImages>& b,
+                                      Component c, double alpha, Differing differing);
+
+/// What two makers, or the pilot of one and the finished reference, disagree about.
+struct Disagreement {
+    Component component;
+    std::size_t a = 0, b = 0;  ///< the makers; b = a for a pilot
+    BlockTest where;           ///< place in pixels; the deviation is that of a from b, or from the reference
+
+    /// The maker that has found less light.
+    std::size_t lesser() const { return where.deviation < 0 ? a : b; }
+};
+
+class MakerAgreement {
+public:
+    explicit MakerAgreement(std::size_t makers) : pilots_(makers), groups_(makers), passes_(makers, 0) {}
+    bool has_pilots() const { return !pilots_.empty() && !pilots_.front().empty(); }
+    /// Keeps the groups of a maker's pilot.
+    void set_pilot(std::size_t maker, const std::vector<ComponentImages>& groups);
+    /// Adds the images of all groups of a maker, each of `passes` passes.
+    void add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes);
+    /// Forgets all images but the pilots'.
+    void restart();
+    /// Writes all images to a file beside the reference, and reads them again, so that tests find the same whichever process has
+    /// made which round. `state` is that of the reference; a file of another state, or a damaged one, is not read.
+    void write(const std::string& path, const std::string& state) const;
+    void read(const std::string& path, const std::string& state);
+
+    /// The first disagreement between makers about a component that both make. `makes(maker, component)` says whether
+    /// one does. All tests together reject makers that agree with a probability of 0.1 % at most.
+    template <typename Makes>
+    std::optional<Disagreement> between_makers(const Makes& makes) const {
+        std::vector<Disagreement> pairs;
+        for (Component c : all_components)
+            for (std::size_t a = 0; a < groups_.size(); ++a)
+                for (std::size_t b = a + 1; b < groups_.size(); ++b)
+                    if (holds(groups_[a], c) && holds(groups_[b], c) && makes(a, c) && makes(b, c))
+                        pairs.push_back({c, a, b, {}});
+        const auto found = tested(std::move(pairs), nullptr);
+        return found.empty() ? std::nullopt : std::optional(found.front());
+    }
+    /// The light that pilots have seen and the groups of the finished reference lack, also of makers that cannot sample all of
+    /// a component.
+    std::vector<Disagreement> with_pilots(const std::vector<ComponentImages>& reference) const {
+        std::vector<Disagreement> pairs;
+        for (Component c : all_components)
+            for (std::size_t m = 0; m < pilots_.size(); ++m)
+                if (holds(pilots_[m], c)) pairs.push_back({c, m, m, {}});
+        return tested(std::move(pairs), &reference);
+    }
+
+private:
+    static bool holds(const std::vector<ComponentImages>& groups, Component c) {
+        return !groups.empty() && groups.front()[c];
+    }
+    /// Those pairs that disagree; with the reference if there is one.
+    std::vector<Disagreement> tested(std::vector<Disagreement> pairs,
+                                     const std::vector<ComponentImages>* reference) const;
+
+    std::vector<std::vector<ComponentImages>> pilots_, groups_;  ///< by maker, the mean of each group over blocks
+    std::vector<std::uint64_t> passes_;
+    Grid pixels_;  ///< the pixels of each block
+};
+
+}  // namespace gib
