@@ -73,12 +73,12 @@ Image Judgement::total_of(const LayeredImage& file) const {
     return has_parts || !sum ? total_of(parts) : *sum;
 }
 
-std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum,
-                                                    double epsilon) const {
-    std::map<std::string, ImageError> errors;
+std::map<Layer, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum, double epsilon) const {
+    std::map<Layer, ImageError> errors;
     for (const auto& [name, layer] : layers()) {
         const auto c = component_named(name);
-        if (!c || image[*c]) errors[name] = image_error(c ? *image[*c] : sum, *layer, total().mean, epsilon);
+        if (!c || image[*c])
+            errors[c ? layer_of(*c) : Layer::total] = image_error(c ? *image[*c] : sum, *layer, total().mean, epsilon);
     }
     return errors;
 }

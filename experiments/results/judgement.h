@@ -39,17 +39,17 @@ public:
     double epsilon(const std::optional<double>& given) const {
         return epsilon_of(given, (empty_ ? reference_.total : total()).mean);
     }
-    /// The errors, by name, of the total, unless it is empty, and of each judged component that both the image and the
+    /// The errors of the total, unless it is empty, and of each judged component that both the image and the
     /// reference have.
-    std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const {
+    std::map<Layer, ImageError> errors(const ComponentImages& image, double epsilon) const {
         return errors(image, total_of(image), epsilon);
     }
-    std::map<std::string, ImageError> errors(const LayeredImage& file, double epsilon) const {
+    std::map<Layer, ImageError> errors(const LayeredImage& file, double epsilon) const {
         return errors(components_in(file), total_of(file), epsilon);
     }
 
 private:
-    std::map<std::string, ImageError> errors(const ComponentImages& image, const Image& sum, double epsilon) const;
+    std::map<Layer, ImageError> errors(const ComponentImages& image, const Image& sum, double epsilon) const;
 
     const Reference& reference_;
     std::optional<ReferenceLayer> partial_total_;

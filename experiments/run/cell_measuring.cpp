@@ -99,6 +99,8 @@ void ExperimentRun::run_cell(const PlannedCell& cell, const Judgement& judgement
     record.key = cell.identity.key();
     record.build = build_;
     record.cpu = cpu_model();
+    record.processor_seconds = timing.measurement.processor_seconds;
+    record.waiting_seconds = timing.measurement.waiting_seconds;
     record.load_seconds = timing.load_seconds;
     record.prepare_seconds = timing.measurement.prepare_seconds;
     record.converged = timing.measurement.converged;

@@ -195,7 +195,7 @@ private:
     std::string closest() const {
         const Cell* best = nullptr;
         const auto error2 = [](const Cell& cell) {
-            return cell.checkpoints.back().errors.at(total_name).rel_mse_corrected;
+            return cell.checkpoints.back().errors.at(Layer::total).rel_mse_corrected;
         };
         for (const FinalSetting& setting : result_.finals)
             for (const Cell& cell : setting.cells)
