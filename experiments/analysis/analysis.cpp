@@ -4,14 +4,15 @@
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
 #include "experiments/analysis/equal_time_look.h"
-#include "experiments/analysis/known_bias.h"
+#include "experiments/analysis/error_fields.h"
+#include "experiments/analysis/left_out.h"
 #include "experiments/analysis/price.h"
 #include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
-#include "experiments/metrics/time_to_error.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
+#include "experiments/results/manifest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,37 +24,26 @@ namespace {
 
 /// The replicates of one method on one scene.
 struct Replicates {
-    std::vector<const Cell*> cells;
+    Runs cells;
     std::vector<std::string> folders;  ///< names of the cells' folders
     std::vector<ComponentImages> images;
     std::vector<Image> totals;  ///< images as they are judged
 };
 
-/// The curve of error against time of each replicate, with the reference's own variance subtracted; an error is 0 if
-/// that variance exceeds it. NaN stays NaN.
-std::vector<std::vector<CurvePoint>> curves_of(const Replicates& replicates, const std::string& component) {
-    std::vector<std::vector<CurvePoint>> curves;
-    for (const Cell* cell : replicates.cells) {
-        curves.emplace_back();
-        for (const auto& c : cell->checkpoints)
-            if (const auto error = c.errors.find(component); error != c.errors.end())
-                curves.back().push_back(
-                    {c.checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
-    }
-    return curves;
-}
-
 /// The part of a row that needs no reference.
-TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const std::string& component) {
+TableRow plain_row(const Replicates& replicates, const ResultIndex& index, Layer layer) {
     const Cell& first = *replicates.cells.front();
     TableRow row;
     row.scene = first.scene;
     row.method = first.method;
-    row.component = component;
+    row.layer = layer;
     row.is_external = index.is_external(row.method);
-    row.cpu = processors_of(replicates.cells);
+    row.cpus = processors_of(replicates.cells);
+    row.least_passes = first.last().passes;
     row.seeds = static_cast<int>(replicates.cells.size());
     for (const Cell* cell : replicates.cells) {
+        row.least_passes = std::min(row.least_passes, cell->last().passes);
+        row.most_passes = std::max(row.most_passes, cell->last().passes);
         row.seconds += cell->last().seconds / row.seeds;
         row.prepare_seconds += cell->prepare_seconds / row.seeds;
         row.nonfinite += cell->last().counts.non_finite.count;
@@ -61,15 +51,15 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, const
     }
     if (const auto missing = index.effects_missing.find({row.scene, row.method});
         missing != index.effects_missing.end())
-        row.effects_missing = missing->second;
+        row.effects_missing = effects_named(missing->second);
     return row;
 }
 
-TableRow judged_row(const Replicates& replicates, const ResultIndex& index, const std::string& component,
+TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Layer layer,
                     const std::vector<Image>& images, const ReferenceLayer& reference, const Denominators& denominators,
                     const ReferenceQuality& quality) {
-    TableRow row = plain_row(replicates, index, component);
-    const double noise_floor = row.noise_floor = quality.noise_floors.at(component);
+    TableRow row = plain_row(replicates, index, layer);
+    row.noise_floor = quality.noise_floors.at(layer);
     row.floor_known = quality.error_known;
     row.epsilon = quality.epsilon;
     const Image& r_total = denominators.plain();
@@ -77,12 +67,8 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, cons
     row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
-    const auto curves = curves_of(replicates, component);
-    for (std::size_t t = 0; t < target_errors.size(); ++t)
-        if (is_target_resolved(t, noise_floor)) row.times[t] = time_to_error(curves, target_errors[t]);
     row.footing = equal_footing(images, reference, r_total);
-    row.law = price_law_of(replicates.cells, component, noise_floor);
-    row.last_halving = last_halving(replicates.cells, component, noise_floor);
+    add_curve_numbers(row, replicates.cells);
     return row;
 }
 
@@ -104,9 +90,9 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     const Denominators& denominators = judgement.denominators(quality.epsilon);
     const std::vector<Image>& totals = replicates.totals;
     if (judgement.is_empty()) {
-        rows.push_back(plain_row(replicates, index, total_name));
+        rows.push_back(plain_row(replicates, index, Layer::total));
     } else {
-        rows.push_back(judged_row(replicates, index, total_name, totals, judgement.total(), denominators, quality));
+        rows.push_back(judged_row(replicates, index, Layer::total, totals, judgement.total(), denominators, quality));
         rows.back().flip = mean_flip(replicates, totals, denominators.plain(), folder);
     }
     for (Component c : all_components) {
@@ -114,10 +100,9 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
         for (const auto& image : replicates.images)
             if (image[c]) images.push_back(*image[c]);
         if (images.size() != replicates.images.size()) continue;
-        const std::string name(name_of(c));
-        if (const auto* layer = judgement.component(c))
-            rows.push_back(judged_row(replicates, index, name, images, *layer, denominators, quality));
-        else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, name));
+        if (const auto* reference = judgement.component(c))
+            rows.push_back(judged_row(replicates, index, layer_of(c), images, *reference, denominators, quality));
+        else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
     }
     return rows;
 }
@@ -136,7 +121,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[name] = noise_floor_of(*layer, judgement.denominators(epsilon));
+        quality.noise_floors[*layer_named(name)] = noise_floor_of(*layer, judgement.denominators(epsilon));
     return quality;
 }
 
@@ -179,44 +164,94 @@ std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& 
     return names;
 }
 
-/// ResultIndex::components_missing of a method; empty if it leaves out nothing.
-std::string components_missing(const ResultIndex& index, const std::string& scene, const std::string& method) {
-    const auto found = index.components_missing.find({scene, method});
-    return found == index.components_missing.end() ? "" : found->second;
+/// The path of the experiment file as it was typed.
+std::string experiment_file_of(const ResultFolder& folder) {
+    try {
+        return read_manifest(folder.file("manifest.json")).experiment_file;
+    } catch (const InputError&) {
+        return "EXPERIMENT.toml";  // an older folder, or one whose run was killed early
+    }
 }
 
-void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
-    const std::size_t first = analysis.cells.size();
-    const auto names = add_cells(scene, folder, analysis);
+/// ResultIndex::components_missing of a method; empty if it leaves out nothing.
+Components components_missing(const ResultIndex& index, const std::string& scene, const std::string& method) {
+    const auto found = index.components_missing.find({scene, method});
+    return found == index.components_missing.end() ? Components() : Components(components_named(found->second));
+}
+
+/// Equal images tell no interval of what their method makes on average: all of them may have missed a rare path. They
+/// do if the method draws no random numbers, as the totals then show: they are equal, too, and no theory says that the
+/// method is right.
+void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
+    if (!row.footing || row.footing->energy.variance.variance != 0) return;
+    if (row.footing->verdict != FootingVerdict::differs || !std::isfinite(row.footing->excess.value)) return;
+    if (totals_are_equal && !row.is_unbiased) return;
+    row.footing->verdict = FootingVerdict::unresolved;
+    row.footing->excess.interval.reset();
+}
+
+bool are_equal(const std::vector<Image>& images) {
+    return std::all_of(images.begin(), images.end(), [&](const Image& x) { return x.rgb == images.front().rgb; });
+}
+
+/// Removes the numbers of a scene in which nothing emits light: its images are right, and no time compares.
+void drop_dark_scene(const std::string& scene, Analysis& analysis) {
+    std::erase_if(analysis.rows, [&](const TableRow& row) { return row.scene == scene; });
+    std::erase_if(analysis.cells, [&](const Cell& cell) { return cell.scene == scene; });
+    analysis.warnings.push_back({.kind = Warning::Kind::no_light,
+                                 .scene = scene,
+                                 .sentence =
+                                     "the scene has no light: its reference and all images are black, so that there "
+                                     "is nothing to compare"});
+}
+
+/// The rows of all methods of a scene. Returns whether an image has light in it.
+bool add_rows(const IndexScene& scene, const Reference& reference, const std::vector<std::string>& folders,
+              const ResultFolder& folder, Analysis& analysis) {
     const Judgement judgement(reference);
-    analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
-    if (const std::string warning = unlike_processors(analysis.cells, scene.name); !warning.empty())
-        analysis.references.back().notes.push_back(warning);
+    const std::size_t first = analysis.cells.size() - folders.size(), first_row = analysis.rows.size();
+    ReferenceQuality& quality = analysis.references.back();
     SceneLight light(reference);
-    const std::size_t first_row = analysis.rows.size();
+    bool is_lit = !is_black(reference.total.mean);
+    std::map<std::string, bool> totals_are_equal;
     for (const auto& method : analysis.index.methods) {
         Replicates replicates;
-        for (std::size_t i = 0; i < names.size(); ++i) {
+        for (std::size_t i = 0; i < folders.size(); ++i) {
             const Cell& cell = analysis.cells[first + i];
             if (cell.method != method) continue;
             replicates.cells.push_back(&cell);
-            replicates.folders.push_back(names[i]);
-            const LayeredImage file = read_image(folder.cell_image(names[i]));
+            replicates.folders.push_back(folders[i]);
+            const LayeredImage file = read_image(folder.cell_image(folders[i]));
             replicates.images.push_back(components_in(file));
             replicates.totals.push_back(judgement.total_of(file));
+            is_lit = is_lit || !is_black(file.find("") ? *file.find("") : replicates.totals.back());
         }
         if (replicates.cells.empty()) continue;
+        totals_are_equal[method] = are_equal(replicates.totals);
         light.add(replicates.images, components_missing(analysis.index, scene.name, method));
-        for (auto& row : rows_of(replicates, analysis.index, judgement, analysis.references.back(), folder))
+        for (auto& row : rows_of(replicates, analysis.index, judgement, quality, folder))
             analysis.rows.push_back(std::move(row));
     }
     for (std::size_t i = first_row; i < analysis.rows.size(); ++i) {
         TableRow& row = analysis.rows[i];
-        const std::string left_out = components_missing(analysis.index, scene.name, row.method);
+        const Components left_out = components_missing(analysis.index, scene.name, row.method);
         row.components_missing = light.holding_light(left_out);
         row.is_unbiased = is_unbiased(row, left_out);
+        drop_intervals_of_equal_images(row, totals_are_equal.at(row.method));
     }
-    analysis.references.back().unjudged = light.holding_light(names_of(reference.unresolved));
+    quality.unjudged = light.holding_light(Components(reference.unresolved));
+    return is_lit;
+}
+
+void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
+    const auto folders = add_cells(scene, folder, analysis);
+    const Judgement judgement(reference);
+    analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+    if (!add_rows(scene, reference, folders, folder, analysis) && !folders.empty())
+        return drop_dark_scene(scene.name, analysis);
+    for (auto& warning : {unlike_processors(analysis.cells, scene.name),
+                          busy_machine(analysis, scene.name, experiment_file_of(folder))})
+        if (warning) analysis.warnings.push_back(*warning);
     for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, judgement, folder))
         analysis.looks.push_back(std::move(look));
 }

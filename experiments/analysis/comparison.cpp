@@ -1,49 +1,43 @@
 #include "experiments/analysis/comparison.h"
 
 #include "common/core/number_text.h"
+#include "experiments/analysis/price.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace gib {
 
 namespace {
 
-std::optional<EqualTimeRow> equal_time_row(const CellsByMethod& methods, const std::string& scene,
-                                           const std::string& component, double seconds, double noise_floor) {
-    EqualTimeRow row{.scene = scene, .component = component, .seconds = seconds, .entries = {}};
-    for (const auto& [method, cells] : methods)
-        if (const auto error = relative_rmse_after(cells, component, seconds, noise_floor))
-            row.entries.push_back({method, *error});
-    if (row.entries.size() < 2) return std::nullopt;
-    std::stable_sort(row.entries.begin(), row.entries.end(),
-                     [](const auto& a, const auto& b) { return a.relative_rmse < b.relative_rmse; });
-    return row;
+/// A relative RMSE from a squared error; one in the reference's own noise is not resolved.
+Field error_field(double error2, double noise_floor) {
+    if (error2 > noise_floor) return measured(error2, Unit::root);
+    return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
 }
 
-/// Appends the checkpoints of one method that all seeds have.
-void add_points(const std::string& scene, const std::string& method, const std::vector<const Cell*>& cells,
-                double noise_floor, std::vector<FrontierPoint>& points) {
-    const std::size_t count = common_checkpoints(cells);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto passes = cells.front()->checkpoints[i].checkpoint.passes;
-        double seconds = 0, error = 0;
-        for (const Cell* cell : cells) {
-            const auto& [checkpoint, errors] = cell->checkpoints[i];
-            const auto total = errors.find(total_name);
-            if (total == errors.end()) return;
-            seconds += checkpoint.seconds;
-            error += total->second.rel_mse_corrected;
-        }
-        const auto n = static_cast<double>(cells.size());
-        points.push_back({.scene = scene,
-                          .method = method,
-                          .passes = passes,
-                          .seconds = seconds / n,
-                          .relative_rmse = error / n > noise_floor ? std::sqrt(error / n) : 0.0});
+/// The contests over the totals of the scenes in which a method can be best.
+std::vector<std::pair<std::string, Contest>> contests_of(const Analysis& analysis) {
+    std::vector<std::pair<std::string, Contest>> contests;
+    for (const auto& scene : scenes_of(analysis)) {
+        Contest contest(analysis, scene);
+        if (contest.methods() > 1 && contest.is_judged()) contests.emplace_back(scene, std::move(contest));
     }
+    return contests;
+}
+
+/// The methods that cannot be told from one of them.
+std::vector<std::string> ties_with(const std::string& method, const std::vector<Contender>& ranking) {
+    std::vector<std::string> ties;
+    const auto own = std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
+    for (const Contender& c : ranking)
+        if (c.method != method && c.is_complete && c.known == Contender::Known::equal && !c.values.empty() &&
+            !are_told_apart(own->values, c.values) && !are_told_apart(c.values, own->values))
+            ties.push_back(c.method);
+    return ties;
 }
 
 std::optional<double> positive_number(const std::string& text) {
@@ -83,10 +77,10 @@ Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
 /// (value, row).
 std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> sweeps(const Analysis& analysis,
                                                                                         const std::string& scene,
-                                                                                        const std::string& component) {
+                                                                                        Layer layer) {
     std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> found;
     for (const TableRow& row : analysis.rows) {
-        if (row.scene != scene || row.component != component) continue;
+        if (row.scene != scene || row.layer != layer) continue;
         const MethodLabel label = MethodLabel::parse(row.method);
         for (std::size_t i = 0; i < label.values.size(); ++i) {
             const auto value = positive_number(label.values[i].second);
@@ -101,48 +95,46 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 
 }  // namespace
 
-double equal_time(const CellsByMethod& methods) {
-    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
-    for (const auto& [method, cells] : methods) {
-        const bool converged =
-            std::all_of(cells.begin(), cells.end(), [](const Cell* cell) { return cell->converged; });
-        const double mean = mean_seconds(cells);
-        longest = std::max(longest, mean);
-        if (!converged) shortest = std::min(shortest, mean);
-    }
-    return std::min(shortest, longest);
-}
-
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
     std::vector<EqualTimeRow> rows;
-    for (const auto& scene : scenes_of(analysis)) {
-        const CellsByMethod methods = cells_by_method(analysis, scene);
-        const double seconds = equal_time(methods);
-        for (const auto& component : components_of(analysis, scene)) {
-            if (component == total_name && !analysis.unjudged(scene).empty()) continue;
-            if (auto row = equal_time_row(methods, scene, component, seconds, analysis.noise_floor(scene, component)))
-                rows.push_back(std::move(*row));
+    for (const auto& scene : scenes_of(analysis))
+        for (const Layer layer : layers_of(analysis, scene)) {
+            const Contest contest(analysis, scene, layer);
+            if (!contest.is_judged()) continue;
+            const double seconds = contest.equal_time();
+            auto ranking = contest.after(seconds);
+            if (ranking.size() - those(ranking, Standing::no_image).size() < 2) continue;
+            rows.push_back({scene, layer, seconds, std::move(ranking), contest.noise_floor()});
         }
-    }
     return rows;
 }
 
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
     std::vector<FrontierPoint> frontier;
-    for (const auto& scene : scenes_of(analysis)) {
-        const CellsByMethod methods = cells_by_method(analysis, scene);
-        if (methods.size() < 2 || !analysis.unjudged(scene).empty()) continue;
-        std::vector<FrontierPoint> points;
-        for (const auto& [method, cells] : methods)
-            add_points(scene, method, cells, analysis.noise_floor(scene, total_name), points);
+    for (const auto& [scene, contest] : contests_of(analysis)) {
+        std::vector<std::tuple<double, double, FrontierPoint>> points;
+        for (const auto& [method, cells] : contest.cells())
+            for (const MeanPoint& point : mean_curve(cells, Layer::total)) {
+                const double error2 = sample_mean(point.relative).value;
+                points.emplace_back(point.seconds, std::max(error2, contest.noise_floor()),
+                                    FrontierPoint{.scene = scene,
+                                                  .method = method,
+                                                  .least_passes = point.least_passes,
+                                                  .most_passes = point.most_passes,
+                                                  .seconds = point.seconds,
+                                                  .relative_rmse = error_field(error2, contest.noise_floor()),
+                                                  .ties = {},
+                                                  .one_seed = point.relative.size() < 2});
+            }
         std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-            return std::pair(a.seconds, a.relative_rmse) < std::pair(b.seconds, b.relative_rmse);
+            return std::pair(std::get<0>(a), std::get<1>(a)) < std::pair(std::get<0>(b), std::get<1>(b));
         });
         double best = std::numeric_limits<double>::infinity();
-        for (const auto& point : points) {
-            if (!(point.relative_rmse < best)) continue;
-            best = point.relative_rmse;
-            frontier.push_back(point);
+        for (auto& [seconds, error2, point] : points) {
+            if (!(error2 < best)) continue;
+            best = error2;
+            point.ties = ties_with(point.method, contest.after(seconds));
+            frontier.push_back(std::move(point));
         }
     }
     return frontier;
@@ -151,10 +143,10 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
 std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
     std::vector<BiasLaw> laws;
     for (const auto& scene : scenes_of(analysis))
-        for (const auto& component : components_of(analysis, scene))
-            for (const auto& [key, rows] : sweeps(analysis, scene, component)) {
+        for (const Layer layer : layers_of(analysis, scene))
+            for (const auto& [key, rows] : sweeps(analysis, scene, layer)) {
                 if (rows.size() < 3) continue;
-                BiasLaw law{.scene = scene, .component = component, .method = key.first, .parameter = key.second};
+                BiasLaw law{.scene = scene, .layer = layer, .method = key.first, .parameter = key.second};
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     law.values.push_back(x);

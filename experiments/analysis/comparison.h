@@ -1,48 +1,66 @@
 #pragma once
-// Compares methods with each other: which is closest to the reference after the same time, which checkpoints lie on
-// the Pareto frontier of time and error, and how bias falls with a parameter.
+// Compares methods with each other: which is closest to the reference after the same time, when this changes, which
+// checkpoints lie on the Pareto frontier of time and error, and how bias falls with a parameter.
 
-#include "experiments/analysis/curves.h"
+#include "experiments/analysis/contest.h"
 
 #include <string>
 #include <vector>
 
 namespace gib {
 
-/// The errors of the methods in one component of one scene after the same charged time.
+/// The methods in one layer of one scene after Contest::equal_time().
 struct EqualTimeRow {
-    struct Entry {
-        std::string method;
-        double relative_rmse;  ///< sqrt of the seeds' mean rel_mse, less the reference's own variance
-    };
-    std::string scene, component;
-    double seconds;  ///< equal_time()
-    /// The methods that have an image by then and an error above the noise floor, best first.
-    std::vector<Entry> entries;
+    std::string scene;
+    Layer layer;
+    double seconds;
+    std::vector<Contender> ranking;  ///< by squared errors
+    double noise_floor;
 };
-/// The time [s] after which the methods of a scene are compared: the shortest of their mean total times, without methods
-/// that have converged, whose images more time would not change (the longest of all if each has).
-double equal_time(const CellsByMethod& methods);
-/// The rows of every scene with two methods or more; none for the total where part of the light is not judged. Between
-/// two checkpoints, errors follow a power law of time.
+/// The rows of every scene with two methods or more; none for the total where part of the light is not judged, nor where
+/// fewer than two methods have an image by then.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
 /// A checkpoint that no other checkpoint of any method beats: none is as close to the reference in less time, or
 /// closer in the same time.
 struct FrontierPoint {
     std::string scene, method;
-    std::uint32_t passes;
-    double seconds;        ///< mean over the seeds
-    double relative_rmse;  ///< relative RMSE of the total image, as in EqualTimeRow; 0: not above the noise floor
+    std::uint32_t least_passes, most_passes;
+    double seconds;                 ///< mean over the seeds
+    Field relative_rmse;            ///< of the total
+    std::vector<std::string> ties;  ///< methods that cannot be told from this one at that time
+    bool one_seed;
 };
 /// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is
 /// judged completely. Points are
 /// ordered by scene, then by time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
 
+/// A change of the best method: from `seconds` on, `method` is closer to the reference than the others.
+struct Crossover {
+    std::string scene, method;
+    std::string before = "";  ///< the best method until then; empty: none had an image
+    double seconds;           ///< charged time [s]
+    /// 95 % interval of `seconds`, by the delete-one jackknife over the seeds of both methods in log(time). Empty
+    /// below 3 seeds, or if `method` does not pass `before` in one of the means that leave out a seed.
+    std::optional<Interval> interval = std::nullopt;
+    Field relative_rmse = {};            ///< of `method` at that time
+    std::vector<std::string> ties = {};  ///< methods that are never told from it, until the next change or its end
+    bool one_seed = false;
+    std::vector<std::string> open = {};  ///< methods that were not run until then, of which nothing is known
+    /// The end of the best method's run [s], if it comes before those of others: who is best then is not known. `method`
+    /// is empty in such a row.
+    bool ends = false;
+};
+/// The changes of the best method, by time, in every scene with two methods or more whose light is judged completely.
+/// Curves are means over the seeds. Nothing is said of a method after the end of its run but by its law. Two methods with
+/// equal errors take turns by chance, so that a change counts only if the new method becomes closer by 5 %.
+std::vector<Crossover> crossovers(const Analysis& analysis);
+
 /// The fitted law bias^2 = c x^-exponent over the values x of a parameter, with all other parameters equal.
 struct BiasLaw {
-    std::string scene, component;
+    std::string scene;
+    Layer layer;
     std::string method;     ///< the label without the parameter
     std::string parameter;  ///< name of the parameter
     std::vector<double> values = {};

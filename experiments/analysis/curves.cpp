@@ -6,17 +6,55 @@
 
 namespace gib {
 
-double mean_seconds(const std::vector<const Cell*>& cells) {
+std::vector<std::string> scenes_of(const Analysis& analysis) {
+    std::vector<std::string> names;
+    for (const Cell& cell : analysis.cells)
+        if (std::find(names.begin(), names.end(), cell.scene) == names.end()) names.push_back(cell.scene);
+    return names;
+}
+
+std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene) {
+    std::vector<Layer> layers;
+    for (const TableRow& row : analysis.rows)
+        if (row.scene == scene && row.statistics && std::find(layers.begin(), layers.end(), row.layer) == layers.end())
+            layers.push_back(row.layer);
+    return layers;
+}
+
+CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene) {
+    CellsByMethod methods;
+    for (const Cell& cell : analysis.cells)
+        if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
+    return methods;
+}
+
+double mean_seconds(const Runs& cells) {
     double sum = 0;
     for (const Cell* cell : cells)
         sum += cell->last().seconds;
     return sum / static_cast<double>(cells.size());
 }
 
-std::optional<double> error2_after(const Cell& cell, const std::string& component, double seconds) {
+double first_image_of_all(const Runs& cells) {
+    double seconds = 0;
+    for (const Cell* cell : cells)
+        seconds = std::max(seconds, cell->checkpoints.front().checkpoint.seconds);
+    return seconds;
+}
+
+bool have_converged(const Runs& cells) {
+    return std::all_of(cells.begin(), cells.end(), [](const Cell* cell) { return cell->converged; });
+}
+
+Runs without(Runs cells, std::size_t left_out) {
+    if (left_out < cells.size()) cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(left_out));
+    return cells;
+}
+
+std::optional<double> error2_after(const Cell& cell, Layer layer, double seconds) {
     std::optional<std::pair<double, double>> before;  // seconds, rel_mse
     for (const auto& [checkpoint, errors] : cell.checkpoints) {
-        const auto found = errors.find(component);
+        const auto found = errors.find(layer);
         if (found == errors.end()) return std::nullopt;
         const std::pair<double, double> here{checkpoint.seconds, found->second.rel_mse_corrected};
         if (here.first >= seconds) {
@@ -31,59 +69,47 @@ std::optional<double> error2_after(const Cell& cell, const std::string& componen
     return before ? std::optional(before->second) : std::nullopt;
 }
 
-std::vector<std::string> components_of(const Analysis& analysis, const std::string& scene) {
-    std::vector<std::string> names;
-    for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.statistics && std::find(names.begin(), names.end(), row.component) == names.end())
-            names.push_back(row.component);
-    return names;
+std::vector<double> errors2_by(const Runs& cells, Layer layer, double seconds) {
+    const bool all_done = !cells.empty() && mean_seconds(cells) <= seconds;
+    std::vector<double> errors;
+    for (const Cell* cell : cells)
+        if (const auto e = error2_after(*cell, layer, all_done ? std::numeric_limits<double>::infinity() : seconds))
+            errors.push_back(*e);
+    if (errors.size() < cells.size()) errors.clear();
+    return errors;
 }
 
-std::vector<std::string> scenes_of(const Analysis& analysis) {
-    std::vector<std::string> names;
-    for (const Cell& cell : analysis.cells)
-        if (std::find(names.begin(), names.end(), cell.scene) == names.end()) names.push_back(cell.scene);
-    return names;
-}
-
-CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene) {
-    CellsByMethod methods;
-    for (const Cell& cell : analysis.cells)
-        if (cell.scene == scene && !cell.checkpoints.empty()) methods[cell.method].push_back(&cell);
-    return methods;
-}
-
-std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                        double seconds) {
-    double sum = 0;
+std::vector<MeanPoint> mean_curve(const Runs& cells, Layer layer) {
+    std::vector<MeanPoint> curve;
+    std::size_t shortest = std::numeric_limits<std::size_t>::max(), longest = 0;
     for (const Cell* cell : cells) {
-        const auto error = error2_after(*cell, component, seconds);
-        if (!error) return std::nullopt;
-        sum += *error;
+        shortest = std::min(shortest, cell->checkpoints.size());
+        longest = std::max(longest, cell->checkpoints.size());
     }
-    if (cells.empty()) return std::nullopt;
-    return sum / static_cast<double>(cells.size());
-}
-
-std::optional<double> mean_error2_by(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double seconds) {
-    const bool all_done = mean_seconds(cells) <= seconds;
-    return mean_error2_after(cells, component, all_done ? std::numeric_limits<double>::infinity() : seconds);
-}
-
-std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                          double seconds, double noise_floor) {
-    const auto error2 = mean_error2_by(cells, component, seconds);
-    return error2 && *error2 > std::max(noise_floor, 0.0) ? std::optional(std::sqrt(*error2)) : std::nullopt;
-}
-
-std::size_t common_checkpoints(const std::vector<const Cell*>& cells) {
-    if (cells.empty()) return 0;
-    for (std::size_t i = 0;; ++i)
-        for (const Cell* cell : cells)
-            if (i >= cell->checkpoints.size() ||
-                cell->checkpoints[i].checkpoint.passes != cells.front()->checkpoints[i].checkpoint.passes)
-                return i;
+    if (cells.empty() || shortest == 0) return curve;
+    // Appends the point of checkpoint i of each run, or of its last one.
+    const auto add = [&](bool last, std::size_t i) {
+        MeanPoint point{.least_passes = std::numeric_limits<std::uint32_t>::max()};
+        for (const Cell* cell : cells) {
+            const auto& [checkpoint, errors] = last ? cell->checkpoints.back() : cell->checkpoints[i];
+            const auto error = errors.find(layer);
+            if (error == errors.end()) return false;
+            point.least_passes = std::min(point.least_passes, checkpoint.passes);
+            point.most_passes = std::max(point.most_passes, checkpoint.passes);
+            point.seconds += checkpoint.seconds / static_cast<double>(cells.size());
+            point.run_seconds.push_back(checkpoint.seconds);
+            point.relative.push_back(error->second.rel_mse_corrected);
+            point.absolute.push_back(error->second.mse_corrected);
+        }
+        if (!last && point.least_passes != point.most_passes) return false;
+        curve.push_back(std::move(point));
+        return true;
+    };
+    std::size_t common = 0;
+    while (common < shortest && add(false, common))
+        ++common;
+    if (common < longest && !add(true, 0)) return {};
+    return curve;
 }
 
 }  // namespace gib

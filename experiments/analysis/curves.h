@@ -10,36 +10,43 @@
 
 namespace gib {
 
+using Runs = std::vector<const Cell*>;
+
 /// The names of the scenes, in the order of the cells.
 std::vector<std::string> scenes_of(const Analysis& analysis);
-/// The names of a scene's components that are judged, in the order of its rows; `total` is one of them.
-std::vector<std::string> components_of(const Analysis& analysis, const std::string& scene);
+/// The layers of a scene that are judged, in the order of its rows.
+std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene);
 
-using CellsByMethod = std::map<std::string, std::vector<const Cell*>>;
+using CellsByMethod = std::map<std::string, Runs>;
 /// The cells of a scene that have an image, by method label.
 CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene);
 
 /// The mean of the runs' total times [s].
-double mean_seconds(const std::vector<const Cell*>& cells);
+double mean_seconds(const Runs& cells);
+/// The first time at which all runs have an image.
+double first_image_of_all(const Runs& cells);
+/// Whether more time would not change the images of these runs.
+bool have_converged(const Runs& cells);
+/// The runs without one of them.
+Runs without(Runs cells, std::size_t left_out);
 
 /// The relative squared error of one run after `seconds` of charged time, with the reference's own variance
 /// subtracted. Between two checkpoints it follows a power law of time; after the last one it stays constant. Empty
 /// before the first image.
-std::optional<double> error2_after(const Cell& cell, const std::string& component, double seconds);
-/// The mean of error2_after() over runs, unclipped. Empty unless all runs have an image by then.
-std::optional<double> mean_error2_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                        double seconds);
-/// The same, but that of the final images if the runs' mean total time is not above `seconds`, although some of them are
-/// not complete by then.
-std::optional<double> mean_error2_by(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double seconds);
-/// The square root of mean_error2_by(). Empty where this mean is not above `noise_floor`, the relative squared
-/// error that is lost in the reference's own noise.
-std::optional<double> relative_rmse_after(const std::vector<const Cell*>& cells, const std::string& component,
-                                          double seconds, double noise_floor);
+std::optional<double> error2_after(const Cell& cell, Layer layer, double seconds);
+/// The same for each run: that of the final images if the runs' mean total time is not above `seconds`, although some of
+/// them are not complete by then. Empty unless all runs have an image by then.
+std::vector<double> errors2_by(const Runs& cells, Layer layer, double seconds);
 
-/// The number of checkpoints, from the first on, that all runs have after the same passes. Runs may differ in their
-/// later ones, because a time budget ends them after different numbers of passes.
-std::size_t common_checkpoints(const std::vector<const Cell*>& cells);
+/// The mean of a method's runs at one point of their curves.
+struct MeanPoint {
+    std::uint32_t least_passes = 0, most_passes = 0;  ///< unlike at the end alone, where a time budget stopped the runs
+    double seconds = 0;                               ///< mean over the runs
+    std::vector<double> run_seconds = {}, relative = {},
+                        absolute = {};  ///< of each run: time, squared errors less the reference's own
+};
+/// The points at the checkpoints that all runs have after the same passes, and the final images: a time budget ends runs
+/// after different numbers of passes. Empty if a run has no errors of this layer.
+std::vector<MeanPoint> mean_curve(const Runs& cells, Layer layer);
 
 }  // namespace gib

@@ -1,8 +1,7 @@
 #include "experiments/analysis/equal_time_look.h"
 
 #include "common/images/image_file.h"
-#include "experiments/analysis/comparison.h"
-#include "experiments/analysis/curves.h"
+#include "experiments/analysis/contest.h"
 #include "experiments/metrics/flip.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/frames.h"
@@ -36,14 +35,6 @@ Checkpoint image_by(const std::vector<Checkpoint>& images, double seconds) {
     return shown;
 }
 
-/// The first time at which all runs have an image.
-double first_image_of_all(const std::vector<const Cell*>& cells) {
-    double seconds = 0;
-    for (const Cell* cell : cells)
-        seconds = std::max(seconds, cell->checkpoints.front().checkpoint.seconds);
-    return seconds;
-}
-
 std::optional<double> flip_of(const Cell& cell, std::uint32_t passes, const Judgement& judgement,
                               const ResultFolder& folder) {
     const std::string name = cell_folder_name(cell.scene, cell.method, cell.seed);
@@ -61,23 +52,25 @@ std::optional<double> flip_of(const Cell& cell, std::uint32_t passes, const Judg
 std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
                                             const Judgement& judgement, const ResultFolder& folder) {
     std::vector<EqualTimeLook> looks;
-    const CellsByMethod methods = cells_by_method(analysis, scene);
-    if (methods.empty()) return looks;
-    const double equal = equal_time(methods);
+    const Contest contest(analysis, scene);
+    if (contest.methods() == 0) return looks;
+    const double seconds = contest.equal_time();
     for (const auto& method : analysis.index.methods) {
-        const auto found = methods.find(method);
-        if (found == methods.end() || found->second.front()->seed != 1) continue;
-        const Cell& first = *found->second.front();
-        const double seconds = std::max(equal, first_image_of_all(found->second));
+        const auto found = contest.cells().find(method);
+        if (found == contest.cells().end() || found->second.front()->seed != 1) continue;
+        const Runs& cells = found->second;
+        const Cell& first = *cells.front();
         const Checkpoint image =
-            mean_seconds(found->second) <= equal ? first.last() : image_by(stored_images(first, folder), seconds);
+            mean_seconds(cells) <= seconds ? first.last() : image_by(stored_images(first, folder), seconds);
         EqualTimeLook look{.scene = scene,
                            .method = method,
                            .seconds = seconds,
+                           .first_seconds = first_image_of_all(cells),
                            .passes = image.passes,
                            .image_seconds = image.seconds,
                            .is_final = image.passes == first.last().passes};
-        look.error2 = mean_error2_by(found->second, total_name, seconds);
+        if (const auto errors2 = errors2_by(cells, Layer::total, seconds); !errors2.empty())
+            look.error2 = sample_mean(errors2).value;
         if (!judgement.is_empty()) look.flip = flip_of(first, image.passes, judgement, folder);
         looks.push_back(std::move(look));
     }

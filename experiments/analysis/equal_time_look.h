@@ -8,8 +8,8 @@
 
 namespace gib {
 
-/// The looks of all methods of one scene, as of one_label_a_method(). The seconds are those of the scene's rows at equal
-/// time (comparison.h). FLIP needs the images, which are read from the folder: a frame is compared at its own size, a
+/// The looks of all methods of one scene, as of one_label_a_method(). The seconds are Contest::equal_time(). A
+/// method without an image by then has no error, and shows its first image. FLIP needs the images, which are read from the folder: a frame is compared at its own size, a
 /// final image as in the tables.
 std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
                                             const Judgement& judgement, const ResultFolder& folder);

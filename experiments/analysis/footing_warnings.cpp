@@ -1,6 +1,6 @@
 #include "experiments/analysis/footing_warnings.h"
 
-#include "experiments/text/spaced.h"
+#include "experiments/analysis/left_out.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ std::string signed_percent(const Estimate& e) {
 
 std::string component_text(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
-    return fmt::format("`{}` {}", row.component,
+    return fmt::format("`{}` {}", name_of(row.layer),
                        std::isfinite(excess.value) ? signed_percent(excess) : "is not finite");
 }
 
@@ -44,10 +44,10 @@ void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>&
 }
 
 /// The rows that the reference cannot judge, by scene and component.
-using UnresolvedRows = std::map<std::pair<std::string, std::string>, std::vector<const TableRow*>>;
+using UnresolvedRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
 
-std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
-    std::vector<FootingWarning> warnings;
+std::vector<Warning> disagreements(const UnresolvedRows& groups) {
+    std::vector<Warning> warnings;
     for (const auto& [key, rows] : groups) {
         std::optional<Disagreement> surest;
         for (std::size_t i = 0; i < rows.size(); ++i)
@@ -55,44 +55,49 @@ std::vector<FootingWarning> disagreements(const UnresolvedRows& groups) {
                 consider(*rows[i], *rows[j], surest);
         if (!surest) continue;
         warnings.push_back(
-            {key.first, surest->more->method, true,
-             fmt::format("`{}` differs between methods where the reference cannot judge: {} has {} of "
-                         "mean energy over {}",
-                         key.second, surest->more->method, signed_percent(surest->difference), surest->less->method)});
+            {.kind = Warning::Kind::energy_differs,
+             .scene = key.first,
+             .layer = key.second,
+             .sentence = fmt::format(
+                 "`{}` differs between methods where the reference cannot judge: {} has {} of mean energy over {}",
+                 name_of(key.second), surest->more->method, signed_percent(surest->difference), surest->less->method)});
     }
     return warnings;
-}
-
-/// Whether a method leaves out paths of a component, or effects of the scene.
-bool leaves_out(const TableRow& row, const std::string& component) {
-    return !row.effects_missing.empty() ||
-           (";" + row.components_missing + ";").find(";" + component + ";") != std::string::npos;
 }
 
 bool has(const TableRow& row, FootingVerdict verdict) { return row.footing && row.footing->verdict == verdict; }
 
 }  // namespace
 
-std::vector<FootingWarning> footing_warnings(const Analysis& analysis) {
-    std::vector<FootingWarning> differing, unresolved;
+std::vector<Warning> footing_warnings(const Analysis& analysis) {
+    std::vector<Warning> differing, unresolved;
     UnresolvedRows groups;
-    const auto add = [](std::vector<FootingWarning>& warnings, const TableRow& row, const std::string& what) {
-        if (!warnings.empty() && warnings.back().scene == row.scene && warnings.back().method == row.method) {
-            warnings.back().text += ", " + component_text(row);
+    const TableRow* last = nullptr;
+    // Rows of one method are joined in one sentence.
+    const auto add = [&](std::vector<Warning>& warnings, const TableRow& row, Warning::Kind kind,
+                         const std::string& what) {
+        if (!warnings.empty() && last && last->scene == row.scene && last->method == row.method) {
+            warnings.back().sentence += ", " + component_text(row);
             return;
         }
-        const bool differs = has(row, FootingVerdict::differs);
-        const std::string missing =
-            differs && !row.effects_missing.empty() ? ", which leaves out " + spaced(row.effects_missing) + "," : "";
-        warnings.push_back({row.scene, row.method, differs,
-                            fmt::format("{}{} {}: {}", row.method, missing, what, component_text(row))});
+        last = &row;
+        warnings.push_back({.kind = kind,
+                            .scene = row.scene,
+                            .sentence = fmt::format("{}{}: {}", row.method, what, component_text(row))});
     };
+    for (const TableRow& row : analysis.rows)
+        if (has(row, FootingVerdict::differs))
+            add(differing, row, Warning::Kind::energy_differs,
+                (row.effects_missing.empty() ? "" : ", which leaves out " + words_of(row.effects_missing) + ",") +
+                    " differs from the reference in mean energy");
+    last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        if (has(row, FootingVerdict::differs)) add(differing, row, "differs from the reference in mean energy");
         if (!has(row, FootingVerdict::unresolved)) continue;
         // A method that leaves out light of the component differs for a reason that is known.
-        if (!leaves_out(row, row.component)) groups[{row.scene, row.component}].push_back(&row);
-        add(unresolved, row, fmt::format("cannot be told within {:.0f} %", 100 * footing_tolerance));
+        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer))
+            groups[{row.scene, row.layer}].push_back(&row);
+        add(unresolved, row, Warning::Kind::energy_unknown,
+            fmt::format(" cannot be told within {:.0f} %", 100 * footing_tolerance));
     }
     for (auto& warning : disagreements(groups))
         differing.push_back(std::move(warning));

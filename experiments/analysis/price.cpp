@@ -4,66 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
+#include <functional>
 
 namespace gib {
 
 namespace {
 
-using Runs = std::vector<const Cell*>;
-
-/// A change of the best method counts only if the new error is below this fraction of the old one.
-constexpr double least_lead = 0.95;
-
-std::vector<std::vector<ErrorPoint>> points_of(const Runs& cells, const std::string& component) {
-    const std::size_t count = common_checkpoints(cells);
-    std::vector<std::vector<ErrorPoint>> runs;
-    for (const Cell* cell : cells) {
-        runs.emplace_back();
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto& [checkpoint, errors] = cell->checkpoints[i];
-            const auto error = errors.find(component);
-            if (error == errors.end()) return {};
-            runs.back().push_back({checkpoint.seconds, error->second.rel_mse_corrected});
-        }
-    }
-    return runs;
-}
-
-Runs without(const Runs& cells, std::size_t left_out) {
-    Runs rest = cells;
-    if (left_out < rest.size()) rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(left_out));
-    return rest;
-}
-
-/// The 95 % interval of a number by the delete-one jackknife over `runs` runs, in its logarithm. `log_without(s)` is the
-/// logarithm without run s. None for fewer than 3 runs, or if one of these is empty.
-template <typename LogWithout>
-std::optional<Interval> log_interval(double log_value, std::size_t runs, const LogWithout& log_without) {
-    if (runs < 3) return std::nullopt;
-    std::vector<double> logs;
-    for (std::size_t s = 0; s < runs; ++s) {
-        const auto log = log_without(s);
-        if (!log) return std::nullopt;
-        logs.push_back(*log);
-    }
-    const Estimate e = jackknife(log_value, logs);
-    return Interval{std::exp(e.interval->lo), std::exp(e.interval->hi)};
-}
+/// No time is extrapolated beyond `farthest_extrapolation` times the measured span, or if a point misses the law by
+/// more than the share `largest_misfit` of its squared error.
+constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
 
 /// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
-std::optional<double> log_last_halving(const Runs& cells, const std::string& component, double noise_floor) {
-    const auto runs = points_of(cells, component);
-    if (runs.empty() || runs.front().empty()) return std::nullopt;
-    std::vector<ErrorPoint> mean(runs.front().size(), {0, 0});
-    for (const auto& run : runs)
-        for (std::size_t i = 0; i < mean.size(); ++i) {
-            mean[i].seconds += run[i].seconds / static_cast<double>(runs.size());
-            mean[i].error2 += run[i].error2 / static_cast<double>(runs.size());
-        }
+std::optional<double> log_last_halving(const Runs& cells, Layer layer, double noise_floor) {
+    std::vector<ErrorPoint> mean;
+    for (const MeanPoint& point : mean_curve(cells, layer))
+        mean.push_back({point.seconds, sample_mean(point.relative).value});
+    if (mean.empty() || !(mean.back().error2 > noise_floor)) return std::nullopt;
     const ErrorPoint end = mean.back();
-    if (!(end.error2 > noise_floor)) return std::nullopt;
     for (std::size_t i = mean.size() - 1; i-- > 0;) {
         const ErrorPoint &a = mean[i], &b = mean[i + 1];
         if (!(a.error2 >= 4 * end.error2)) continue;
@@ -73,110 +30,71 @@ std::optional<double> log_last_halving(const Runs& cells, const std::string& com
     return std::nullopt;
 }
 
-/// The mean squared error of some runs as a function of time: infinite before all of them have an image, 0 unless it
-/// is above the noise floor.
-struct MeanCurve {
-    Runs cells;
-    double noise_floor;
-    double operator()(double seconds) const {
-        const auto error2 = mean_error2_after(cells, total_name, seconds);
-        if (!error2) return std::numeric_limits<double>::infinity();
-        return *error2 > noise_floor ? *error2 : 0;
+/// What an extrapolation says of a time, if it is beyond the measured span and not too far; `unit` divides it [s]. A time
+/// within the span is no extrapolation: the first image was better already, or the points scatter about the law.
+Field field_of(const TableRow& row, const std::optional<Extrapolation>& time, double unit) {
+    const PriceLaw& law = *row.law;
+    if (!time) return {State::not_reached};
+    if (time->kind == Extrapolation::Kind::never) {
+        const bool contradicted = row.statistics && row.statistics->rel_mse_corrected < law.floor.value;
+        return contradicted ? Field{State::not_reached}
+                            : Field{State::never, law.floor.value, std::nullopt, Unit::root};
     }
-    MeanCurve without(std::size_t seed) const { return {gib::without(cells, seed), noise_floor}; }
-};
-
-/// The time at which `challenger` passes `best`, by bisection between a time at which it is behind and one at which
-/// it is ahead.
-double passing_time(const MeanCurve& best, const MeanCurve& challenger, double behind, double ahead) {
-    for (int step = 0; step < 60; ++step) {
-        const double middle = std::sqrt(behind * ahead);
-        (challenger(middle) < best(middle) ? ahead : behind) = middle;
-    }
-    return ahead;
-}
-
-/// The time at which `challenger` passes `best`; if it does so between several pairs of successive `times`, the one
-/// nearest to `near`.
-std::optional<double> passing_near(const MeanCurve& best, const MeanCurve& challenger, const std::vector<double>& times,
-                                   double near) {
-    std::optional<double> nearest;
-    for (std::size_t i = 1; i < times.size(); ++i) {
-        if (challenger(times[i - 1]) < best(times[i - 1]) || !(challenger(times[i]) < best(times[i]))) continue;
-        const double time = passing_time(best, challenger, times[i - 1], times[i]);
-        if (!nearest || std::abs(std::log(time / near)) < std::abs(std::log(*nearest / near))) nearest = time;
-    }
-    return nearest;
-}
-
-std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve& challenger,
-                                         const std::vector<double>& times, double seconds) {
-    const std::size_t seeds = std::min(best.cells.size(), challenger.cells.size());
-    return log_interval(std::log(seconds), seeds, [&](std::size_t s) {
-        const auto time = passing_near(best.without(s), challenger.without(s), times, seconds);
-        return time ? std::optional(std::log(*time)) : std::nullopt;
-    });
-}
-
-std::vector<Crossover> crossovers_of(const CellsByMethod& methods, const std::string& scene, double noise_floor) {
-    std::set<double> all_times;
-    std::vector<std::pair<std::string, MeanCurve>> curves;
-    for (const auto& [method, cells] : methods) {
-        curves.push_back({method, {cells, noise_floor}});
-        for (const Cell* cell : cells)
-            for (const auto& c : cell->checkpoints)
-                all_times.insert(c.checkpoint.seconds);
-    }
-    const std::vector<double> times(all_times.begin(), all_times.end());
-    std::vector<Crossover> changes;
-    const MeanCurve* best = nullptr;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-        const auto& [method, curve] =
-            *std::min_element(curves.begin(), curves.end(),
-                              [&](const auto& a, const auto& b) { return a.second(times[i]) < b.second(times[i]); });
-        const double error2 = curve(times[i]);
-        if (!std::isfinite(error2)) continue;
-        if (!best) {
-            changes.push_back(
-                {.scene = scene, .method = method, .seconds = times[i], .relative_rmse = std::sqrt(error2)});
-            best = &curve;
-            continue;
-        }
-        if (!(std::sqrt(error2) < least_lead * std::sqrt((*best)(times[i])))) continue;
-        // The new method may have been ahead for a while, but by less than a change needs.
-        std::size_t behind = i - 1;
-        while (times[behind] > changes.back().seconds && curve(times[behind]) < (*best)(times[behind]))
-            --behind;
-        const double seconds = passing_time(*best, curve, times[behind], times[i]);
-        changes.push_back({.scene = scene,
-                           .method = method,
-                           .before = changes.back().method,
-                           .seconds = seconds,
-                           .interval = passing_interval(*best, curve, times, seconds),
-                           .relative_rmse = std::sqrt(curve(seconds))});
-        best = &curve;
-    }
-    return changes;
+    if (!(time->seconds > law.last_seconds) || !law_reaches(law, time->seconds)) return {State::not_reached};
+    if (!time->interval) return {State::at_least, time->seconds / unit};
+    return {State::extrapolated, time->seconds / unit,
+            Interval{std::max(time->interval->lo, law.last_seconds) / unit, time->interval->hi / unit}};
 }
 
 }  // namespace
 
-std::optional<PriceLaw> price_law_of(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double noise_floor) {
-    if (cells.empty()) return std::nullopt;
+std::optional<PriceLaw> price_law_of(const Runs& cells, Layer layer, double noise_floor) {
+    std::vector<std::vector<ErrorPoint>> runs(cells.size());
     double start = 0;
     for (const Cell* cell : cells)
         start += cell->prepare_seconds / static_cast<double>(cells.size());
-    return fit_price_law(points_of(cells, component), start, noise_floor);
+    for (const MeanPoint& point : mean_curve(cells, layer))
+        for (std::size_t r = 0; r < runs.size(); ++r)
+            runs[r].push_back({point.run_seconds[r], point.relative[r]});
+    return fit_price_law(runs, start, noise_floor);
 }
 
-std::optional<Estimate> last_halving(const std::vector<const Cell*>& cells, const std::string& component,
-                                     double noise_floor) {
-    const auto log_factor = log_last_halving(cells, component, noise_floor);
+std::vector<std::vector<CurvePoint>> error_curves(const Runs& cells, Layer layer) {
+    std::vector<std::vector<CurvePoint>> curves;
+    for (const Cell* cell : cells) {
+        curves.emplace_back();
+        for (const auto& [checkpoint, errors] : cell->checkpoints)
+            if (const auto error = errors.find(layer); error != errors.end())
+                curves.back().push_back(
+                    {checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
+    }
+    return curves;
+}
+
+std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double noise_floor) {
+    const auto log_factor = log_last_halving(cells, layer, noise_floor);
     if (!log_factor) return std::nullopt;
-    return Estimate{std::exp(*log_factor), log_interval(*log_factor, cells.size(), [&](std::size_t s) {
-                        return log_last_halving(without(cells, s), component, noise_floor);
-                    })};
+    Estimate factor{std::exp(*log_factor), std::nullopt};
+    std::vector<double> others;
+    for (std::size_t r = 0; r < cells.size(); ++r)
+        if (const auto other = log_last_halving(without(cells, r), layer, noise_floor)) others.push_back(*other);
+    if (others.size() < std::max<std::size_t>(cells.size(), 3)) return factor;
+    const Interval logs = *jackknife(*log_factor, others).interval;
+    factor.interval = Interval{std::exp(logs.lo), std::exp(logs.hi)};
+    return factor;
+}
+
+void add_curve_numbers(TableRow& row, const Runs& cells) {
+    const auto curves = error_curves(cells, row.layer);
+    for (std::size_t t = 0; t < target_errors.size(); ++t) {
+        if (!is_target_resolved(t, row.noise_floor)) continue;
+        row.times[t] = time_to_error(curves, target_errors[t]);
+        row.reached[t] = static_cast<int>(std::count_if(curves.begin(), curves.end(), [&](const auto& curve) {
+            return crossing_time(curve, target_errors[t]).has_value();
+        }));
+    }
+    row.law = price_law_of(cells, row.layer, row.noise_floor);
+    row.last_halving = last_halving(cells, row.layer, row.noise_floor);
 }
 
 double floor_bias2(const TableRow& row) {
@@ -184,15 +102,33 @@ double floor_bias2(const TableRow& row) {
     return std::clamp(row.statistics->rel_bias2->value, 0.0, row.law->floor.value);
 }
 
-std::vector<Crossover> crossovers(const Analysis& analysis) {
-    std::vector<Crossover> changes;
-    for (const auto& scene : scenes_of(analysis)) {
-        const CellsByMethod methods = cells_by_method(analysis, scene);
-        if (methods.size() < 2 || !analysis.unjudged(scene).empty()) continue;
-        for (auto& change : crossovers_of(methods, scene, analysis.noise_floor(scene, total_name)))
-            changes.push_back(std::move(change));
-    }
-    return changes;
+bool law_reaches(const PriceLaw& law, double seconds) {
+    return law.misfit <= largest_misfit && seconds <= farthest_extrapolation * law.last_seconds;
+}
+
+Field time_field(const TableRow& row, std::size_t target) {
+    if (!row.statistics) return {};
+    if (!is_target_resolved(target, row.noise_floor)) return {State::not_resolved};
+    if (row.times[target]) return measured(*row.times[target]);
+    if (row.reached[target] > 0)
+        return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};
+    if (!row.law) return {State::not_reached};
+    return field_of(row, row.law->extrapolate(sqr(target_errors[target]), row.is_unbiased), 1);
+}
+
+Field next_halving_field(const TableRow& row) {
+    if (!row.law || !law_reaches(*row.law, row.law->last_seconds)) return {};
+    const PriceLaw& law = *row.law;
+    const double error2 = (row.is_unbiased ? law.floorless : law.law).error2(law.last_seconds);
+    const Field factor = field_of(row, law.extrapolate(error2 / 4, row.is_unbiased), law.last_seconds);
+    return factor.state == State::not_reached ? Field{} : factor;
+}
+
+Field floor_field(const TableRow& row) {
+    if (!row.law) return {};
+    if (row.is_unbiased) return {State::unbiased};
+    if (!row.law->floor.interval) return {State::cannot_be_told};
+    return positive(row.law->floor, Unit::root);
 }
 
 }  // namespace gib

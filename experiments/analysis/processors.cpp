@@ -3,27 +3,83 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
-#include <set>
 
 namespace gib {
 
-std::string processors_of(const std::vector<const Cell*>& cells) {
+namespace {
+
+/// A cell had a busy machine if its threads waited for a processor for more than this share of the time for which they
+/// ran. On an idle machine the share is below 0.01.
+constexpr double largest_wait = 0.1;
+/// Seeds do the same work in a pass, but for the scatter of their paths: their times for it differ by less than this
+/// factor, if they take `least_seconds` or more.
+constexpr double largest_ratio = 1.3, least_seconds = 0.2;
+
+double waited(const Cell& cell) {
+    return cell.processor_seconds > 0 ? cell.waiting_seconds / cell.processor_seconds : 0;
+}
+
+double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
+
+/// What shows that a machine was busy when it measured these runs; empty if nothing does.
+std::string sign_of(const Runs& cells) {
+    const auto& longest = **std::max_element(cells.begin(), cells.end(),
+                                             [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
+    if (waited(longest) > largest_wait)
+        return fmt::format("threads waited for {:.0f} % of the time that they ran", 100 * waited(longest));
+    double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
+    std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
+    for (const Cell* cell : cells) {
+        least = std::min(least, seconds_of_a_pass(*cell));
+        most = std::max(most, seconds_of_a_pass(*cell));
+        shortest = std::min(shortest, cell->last().seconds);
+        least_passes = std::min(least_passes, cell->last().passes);
+        most_passes = std::max(most_passes, cell->last().passes);
+    }
+    if (shortest < least_seconds || !(most > largest_ratio * least)) return "";
+    return fmt::format("a pass takes {:.3g} s to {:.3g} s, {} passes{}", least, most, least_passes,
+                       most_passes > least_passes ? fmt::format(" to {}", most_passes) : "");
+}
+
+}  // namespace
+
+std::set<std::string> processors_of(const Runs& cells) {
     std::set<std::string> names;
     for (const Cell* cell : cells)
         if (!cell->cpu.empty()) names.insert(cell->cpu);
-    return fmt::format("{}", fmt::join(names, ";"));
+    return names;
 }
 
-std::string unlike_processors(const std::vector<Cell>& cells, const std::string& scene) {
+std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene) {
     std::map<std::string, std::set<std::string>> methods;  // by the processor's name
     for (const Cell& cell : cells)
         if (cell.scene == scene && !cell.cpu.empty()) methods[cell.cpu].insert(cell.method);
-    if (methods.size() < 2) return "";
+    if (methods.size() < 2) return std::nullopt;
     std::string text = "the cells were measured on unlike processors, so that their seconds do not compare";
     for (const auto& [cpu, labels] : methods)
         text += fmt::format("; on '{}': {}", cpu, fmt::join(labels, ", "));
-    return text;
+    return Warning{.kind = Warning::Kind::unlike_processors, .scene = scene, .sentence = text};
+}
+
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
+                                    const std::string& experiment_file) {
+    std::vector<std::string> methods;
+    std::string signs;
+    for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
+        const std::string sign = analysis.index.is_external(method) ? "" : sign_of(cells);
+        if (sign.empty()) continue;
+        methods.push_back(method);
+        signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);
+    }
+    if (methods.empty()) return std::nullopt;
+    // One method is named by its label; several share the words of --only, which are those of the scene.
+    return Warning{.kind = Warning::Kind::busy_machine,
+                   .scene = scene,
+                   .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
+                   .command = fmt::format("gibench run '{}' --only '{}' --fresh", experiment_file,
+                                          methods.size() == 1 ? methods.front() : scene)};
 }
 
 }  // namespace gib

@@ -1,18 +1,25 @@
 #pragma once
-// The processors that measured a scene's cells. Their seconds compare only if they are alike.
+// Whether the seconds of a scene's cells compare: they do if one processor measured all of them and nothing else kept it
+// busy.
 
-#include "experiments/results/result_folder.h"
+#include "experiments/analysis/curves.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
 namespace gib {
 
-/// The names of the processors of these cells, each once, separated by `;`; empty if no record has one.
-std::string processors_of(const std::vector<const Cell*>& cells);
+/// The names of the processors of these cells; records of older versions have none.
+std::set<std::string> processors_of(const Runs& cells);
 
-/// A sentence, without its full stop, that names the processors of a scene's cells and the methods that each one has
-/// measured; empty if all are alike.
-std::string unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
+/// A warning that names the processors of a scene's cells and the methods that each one has measured; empty if all are
+/// alike.
+std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
+
+/// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
+/// for a pass, and the command that measures them again. Empty if there are none.
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
+                                    const std::string& experiment_file);
 
 }  // namespace gib

@@ -1,27 +1,17 @@
 #include "experiments/analysis/scene_light.h"
 
-#include <algorithm>
-
 namespace gib {
 
-namespace {
-
-bool contains(const std::vector<Component>& components, Component c) {
-    return std::find(components.begin(), components.end(), c) != components.end();
-}
-
-}  // namespace
-
 SceneLight::SceneLight(const Reference& reference) {
+    const Components unresolved(reference.unresolved);
     for (Component c : all_components)
-        if (const auto& layer = reference[c]) add(c, layer->mean, !contains(reference.unresolved, c));
+        if (const auto& layer = reference[c]) add(c, layer->mean, !unresolved.has(c));
 }
 
-void SceneLight::add(const std::vector<ComponentImages>& images, const std::string& left_out) {
-    const std::vector<Component> incomplete = components_named(left_out);
+void SceneLight::add(const std::vector<ComponentImages>& images, const Components& left_out) {
     for (const ComponentImages& image : images)
         for (Component c : all_components)
-            if (image[c]) add(c, *image[c], !contains(incomplete, c));
+            if (image[c]) add(c, *image[c], !left_out.has(c));
 }
 
 void SceneLight::add(Component c, const Image& image, bool has_all_paths) {
@@ -30,10 +20,11 @@ void SceneLight::add(Component c, const Image& image, bool has_all_paths) {
     seen_[i] = seen_[i] || !is_black(image);
 }
 
-std::string SceneLight::holding_light(const std::string& names) const {
-    std::vector<Component> found = components_named(names);
-    std::erase_if(found, [this](Component c) { return !may_hold_light(c); });
-    return names_of(found);
+Components SceneLight::holding_light(const Components& components) const {
+    Components found;
+    for (const Component c : components.list())
+        if (may_hold_light(c)) found.add(c);
+    return found;
 }
 
 }  // namespace gib

@@ -4,20 +4,34 @@
 
 namespace gib {
 
-bool is_target_resolved(std::size_t target, double noise_floor) { return sqr(target_errors[target]) > noise_floor; }
+namespace {
 
-double Analysis::noise_floor(const std::string& scene, const std::string& component) const {
+const ReferenceQuality* reference_of_scene(const std::vector<ReferenceQuality>& references, const std::string& scene) {
     for (const auto& reference : references)
-        if (reference.scene == scene)
-            if (const auto found = reference.noise_floors.find(component); found != reference.noise_floors.end())
-                return found->second;
-    return 0;
+        if (reference.scene == scene) return &reference;
+    return nullptr;
 }
 
-std::string Analysis::unjudged(const std::string& scene) const {
-    for (const auto& reference : references)
-        if (reference.scene == scene) return reference.unjudged;
-    return "";
+}  // namespace
+
+bool is_target_resolved(std::size_t target, double noise_floor) { return sqr(target_errors[target]) > noise_floor; }
+
+double Analysis::noise_floor(const std::string& scene, Layer layer) const {
+    const ReferenceQuality* quality = reference_of_scene(references, scene);
+    if (!quality) return 0;
+    const auto found = quality->noise_floors.find(layer);
+    return found == quality->noise_floors.end() ? 0 : found->second;
+}
+
+Components Analysis::unjudged(const std::string& scene) const {
+    const ReferenceQuality* quality = reference_of_scene(references, scene);
+    return quality ? quality->unjudged : Components();
+}
+
+const TableRow* Analysis::row(const std::string& scene, const std::string& method, Layer layer) const {
+    for (const TableRow& row : rows)
+        if (row.layer == layer && row.method == method && row.scene == scene) return &row;
+    return nullptr;
 }
 
 }  // namespace gib

@@ -1,16 +1,20 @@
 #pragma once
-// The numbers of the tables and the report as plain data: one row for each scene, method and component, and the cells
-// and references that they come from.
+// The numbers of the tables and the report as plain data: one row for each scene, method and layer, and the cells and
+// references that they come from.
 
+#include "common/scene/effects.h"
+#include "experiments/analysis/field.h"
 #include "experiments/metrics/equal_footing.h"
 #include "experiments/metrics/price_law.h"
 #include "experiments/metrics/robust_error.h"
 #include "experiments/metrics/spectrum.h"
+#include "experiments/results/layer.h"
 #include "experiments/results/result_folder.h"
 
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,41 +28,49 @@ inline constexpr std::array<double, 5> target_errors = {0.10, 0.05, 0.02, 0.01, 
 bool is_target_resolved(std::size_t target, double noise_floor);
 
 struct TableRow {
-    std::string scene, method, component;
+    std::string scene, method;
+    Layer layer = Layer::total;
     int seeds = 0;
-    double seconds = 0;                             ///< mean charged seconds of the final images
-    double prepare_seconds = 0;                     ///< mean seconds of preparation
-    std::optional<ReplicateStatistics> statistics;  ///< empty: the component is not judged
-    std::optional<RobustError> robust;
-    std::optional<NoiseSpectrum> noise;
-    std::vector<SpectrumPoint> bias;
-    std::array<std::optional<Estimate>, target_errors.size()> times;  ///< times to each of target_errors [s]
-    std::optional<Footing> footing;                                   ///< mean energy against the reference's
-    std::optional<PriceLaw> law;                                      ///< law of the error against time
-    std::optional<Estimate> last_halving;  ///< factor of time for the last halving of the error, as measured
-    std::uint64_t nonfinite = 0;           ///< samples that were not finite, of all seeds
-    double peak_rss_mib = 0;               ///< the largest of all seeds
-    std::string effects_missing;           ///< names of effects that the method leaves out, separated by `;`
-    double noise_floor = 0;      ///< noise floor of the reference [relative squared error]: Analysis::noise_floor()
-    std::optional<double> flip;  ///< HDR-FLIP of the final images, mean over pixels and seeds; of `total` alone
-    double epsilon = 0;          ///< epsilon of the relative errors [radiance^2]
-    /// Names of components that hold light and of which the method leaves out paths, separated by `;`.
-    std::string components_missing = {};
-    bool is_unbiased = false;  ///< bias^2 is 0 by theory (known_bias.h)
-    bool is_external = false;  ///< rendered by the command of another renderer
-    bool floor_known = true;   ///< false: the reference has no standard error, and noise_floor is 0
-    std::string cpu = {};      ///< processors_of() all seeds
+    double seconds = 0;                                  ///< mean charged seconds of the final images
+    double prepare_seconds = 0;                          ///< mean seconds of preparation
+    std::uint32_t least_passes = 0, most_passes = 0;     ///< of the seeds
+    std::optional<ReplicateStatistics> statistics = {};  ///< empty: the layer is not judged
+    std::optional<RobustError> robust = {};
+    std::optional<NoiseSpectrum> noise = {};
+    std::vector<SpectrumPoint> bias = {};
+    std::array<std::optional<Estimate>, target_errors.size()> times = {};  ///< times to each of target_errors [s]
+    std::array<int, target_errors.size()> reached = {};  ///< number of seeds that have reached each of them
+    std::optional<Footing> footing = {};                 ///< mean energy against the reference's
+    std::optional<PriceLaw> law = {};                    ///< law of the error against time
+    std::optional<Estimate> last_halving = {};  ///< factor of time for the last halving of the error, as measured
+    std::uint64_t nonfinite = 0;                ///< samples that were not finite, of all seeds
+    double peak_rss_mib = 0;                    ///< the largest of all seeds
+    Effects effects_missing = {};               ///< effects that the method leaves out
+    double noise_floor = 0;  ///< noise floor of the reference [relative squared error]: Analysis::noise_floor()
+    std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
+    double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
+    Components components_missing = {};  ///< those that hold light and of which the method leaves out paths
+    bool is_unbiased = false;            ///< bias^2 is 0 by theory (error_fields.h)
+    bool is_external = false;            ///< rendered by the command of another renderer
+    bool floor_known = true;             ///< false: the reference has no standard error, and noise_floor is 0
+    std::set<std::string> cpus = {};     ///< names of the processors that measured the seeds
+
+    /// Whether the method has all light of the scene.
+    bool is_complete() const { return effects_missing.empty() && components_missing.empty(); }
 };
 
-/// A method's stored image of a scene at a charged time that is the same for all methods (equal_time_look.h).
+/// A method's stored image of a scene at the time at which all methods are compared (equal_time_look.h).
 struct EqualTimeLook {
     std::string scene, method;
-    double seconds = 0;                 ///< that time; that of the first image if the method has none by then
-    std::optional<double> error2 = {};  ///< mean relative squared error of the seeds then, of `total`
-    std::uint32_t passes = 0;           ///< passes of seed 1's last stored image by then, or at most a tenth later
-    double image_seconds = 0;           ///< charged time of that image [s]
-    bool is_final = false;              ///< whether that is the final image
-    std::optional<double> flip = {};    ///< HDR-FLIP of that image, mean over the pixels
+    double seconds = 0;        ///< that time
+    double first_seconds = 0;  ///< time after which all seeds have an image
+    std::optional<double> error2 =
+        {};  ///< mean relative squared error of the seeds then, of the total; empty: no image
+    /// Passes of seed 1's last stored image by then, or at most a tenth later; without an image by then, its first.
+    std::uint32_t passes = 0;
+    double image_seconds = 0;         ///< charged time of that image [s]
+    bool is_final = false;            ///< whether that is the final image
+    std::optional<double> flip = {};  ///< HDR-FLIP of that image, mean over the pixels
 };
 
 /// The accuracy of a scene's reference, and how it was made.
@@ -66,22 +78,40 @@ struct ReferenceQuality {
     std::string scene, method;
     double relative_error = 0;  ///< standard error of the judged total, relative
     bool error_known = true;    ///< false: the reference is an image without a standard error
-    std::optional<double> target;
+    std::optional<double> target = {};
     std::uint64_t samples = 0;  ///< samples a pixel; 0: unknown
-    std::vector<std::string> notes;
-    /// noise_floor_of() [relative squared error] by component, `total` included.
-    std::map<std::string, double> noise_floors = {};
+    std::vector<std::string> notes = {};
+    /// noise_floor_of() [relative squared error].
+    std::map<Layer, double> noise_floors = {};
     double epsilon = 0;  ///< epsilon of all relative errors of the scene [radiance^2]
-    /// Names of components that the reference does not resolve and that hold light, separated by `;`. If there is one,
-    /// no method is the best, because a part of its image is not judged.
-    std::string unjudged = {};
+    /// Components that the reference does not resolve and that hold light. If there is one, no method is the best,
+    /// because a part of its image is not judged.
+    Components unjudged = {};
+};
+
+/// What a reader has to know before any number.
+struct Warning {
+    enum class Kind {
+        no_light,
+        busy_machine,
+        unlike_processors,
+        reference_contradicted,
+        energy_differs,
+        energy_unknown
+    };
+    Kind kind;
+    std::string scene;
+    std::optional<Layer> layer = {};  ///< empty: of no layer alone
+    std::string sentence;             ///< without its full stop
+    std::string command = {};         ///< what helps; may be empty
 };
 
 struct Analysis {
     ResultIndex index;
     std::vector<Cell> cells;     ///< complete ones, in the order of scenes, methods, seeds
-    std::vector<TableRow> rows;  ///< in the order of scenes, methods, then `total` and the components
+    std::vector<TableRow> rows;  ///< in the order of scenes, methods, layers
     std::vector<ReferenceQuality> references;
+    std::vector<Warning> warnings;  ///< stand on top of table and report
     /// The looks of the labels that one_label_a_method() keeps, in the order of scenes, methods.
     std::vector<EqualTimeLook> looks;
     /// The passes after which the labels that differ from (scene, label) in `spp` alone stopped; one_label_a_method()
@@ -92,9 +122,11 @@ struct Analysis {
 
     /// The noise floor of a scene's reference, the relative
     /// squared error that is lost in its own noise; 0 if unknown.
-    double noise_floor(const std::string& scene, const std::string& component) const;
+    double noise_floor(const std::string& scene, Layer layer) const;
     /// ReferenceQuality::unjudged of a scene; empty if the whole image is judged.
-    std::string unjudged(const std::string& scene) const;
+    Components unjudged(const std::string& scene) const;
+    /// Null if there is no such row.
+    const TableRow* row(const std::string& scene, const std::string& method, Layer layer) const;
 };
 
 }  // namespace gib

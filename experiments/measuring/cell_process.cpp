@@ -31,7 +31,8 @@ static auto json_fields(RecordOf<CellTiming> auto& timing) {
     auto& m = timing.measurement;
     return std::tuple(JsonField{"load_seconds", timing.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
                       JsonField{"converged", m.converged}, JsonField{"checkpoints", m.checkpoints},
-                      JsonField{"stages", m.stages});
+                      JsonField{"stages", m.stages}, JsonField{"processor_seconds", m.processor_seconds},
+                      JsonField{"waiting_seconds", m.waiting_seconds});
 }
 
 namespace {

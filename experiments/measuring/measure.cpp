@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -39,6 +40,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
     const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
     Measurement result;
     StageTimes stages;
+    const ProcessorTime before = processor_time();
     const Stopwatch start_watch;
     bool preparing = true;
     std::uint32_t passes = 0;
@@ -78,6 +80,9 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         if (observer) observer(passes, charged);
         if (ends) break;
     }
+    const ProcessorTime after = processor_time();
+    result.processor_seconds = after.running - before.running;
+    result.waiting_seconds = after.waiting - before.waiting;
     result.facts = run->facts();
     result.stages = with_other(stages.stages(), charged);
     return result;
@@ -86,6 +91,19 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
     if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
     return static_cast<std::uint32_t>(sample_count.value_or(16));
+}
+
+ProcessorTime processor_time() {
+    ProcessorTime sum;
+    std::error_code error;  // a thread may end while the folder is read
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
+        double running = 0, waiting = 0;  // [ns]
+        if (std::ifstream(thread.path() / "schedstat") >> running >> waiting) {
+            sum.running += 1e-9 * running;
+            sum.waiting += 1e-9 * waiting;
+        }
+    }
+    return sum;
 }
 
 void reset_peak_rss() {

@@ -36,6 +36,8 @@ struct Measurement {
     std::vector<Checkpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;  ///< the last one, `other`, is the charged time outside all stages
     bool converged = false;
+    double processor_seconds = 0;  ///< [s] for which this process' threads ran meanwhile
+    double waiting_seconds = 0;    ///< [s] for which they were ready to run, but others had the processors
     std::vector<std::pair<std::string, std::string>> facts;  ///< (name, value), see Run::facts()
 };
 
@@ -67,6 +69,12 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 
 /// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
+
+/// What the threads of this process have had so far, as the scheduler counts it.
+struct ProcessorTime {
+    double running = 0, waiting = 0;  ///< [s], summed over threads; 0 if the system does not say
+};
+ProcessorTime processor_time();
 
 /// The largest resident set of this process so far [MiB]; 0 if the system does not say.
 double peak_rss_mib();

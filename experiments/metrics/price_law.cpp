@@ -1,6 +1,7 @@
 #include "experiments/metrics/price_law.h"
 
 #include "common/core/math.h"
+#include "experiments/metrics/student_t.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,11 @@ constexpr double end_span = 4;  // factor of time, over which noise falls to hal
 /// leaves a share of 1e-11 at most. A floor of 1e-6 of the squared error is 0.1 % of the error.
 constexpr double least_floor = 1e-6;
 constexpr double least_fall = 0.01;  // share by which the squared error has to fall over the measured span
+/// The probability that the truth lies beyond PriceLaw::ceiling or as far below, both sides together.
+constexpr double ceiling_tail = 0.005;
+/// A derivative of the residual this small, relative to the inverse of the last squared error, is rounding.
+constexpr double least_derivative = 1e-5;
+constexpr double widest_interval = 30;  // ratio of the ends of an interval that is printed
 
 using Curve = std::vector<ErrorPoint>;
 
@@ -66,36 +72,105 @@ Fit fit_linear_part(const Curve& curve, double start, double slope, double unit,
     return fit;
 }
 
-/// The fit whose slope has the smallest residual, by a search over a grid of slopes and then a golden-section search
+/// The logarithm of the slope with the least residual: a search over a grid of slopes, and then a golden-section search
 /// around the best of them.
+template <typename Residual>
+double least_argument(const Residual& residual, int grid, int sections) {
+    const double from = std::log(least_slope), step = std::log(largest_slope / least_slope) / grid;
+    int best = 0;
+    double least = residual(from);
+    for (int i = 1; i <= grid; ++i)
+        if (const double here = residual(from + i * step); here < least) least = here, best = i;
+    double lo = from + std::max(best - 1, 0) * step, hi = from + std::min(best + 1, grid) * step;
+    constexpr double golden = 0.6180339887498949;
+    for (int i = 0; i < sections; ++i) {
+        const double left = hi - golden * (hi - lo), right = lo + golden * (hi - lo);
+        if (residual(left) < residual(right)) hi = right;
+        else lo = left;
+    }
+    return (lo + hi) / 2;
+}
+
+/// The fit with the best slope.
 std::optional<Fit> fit_law(const Curve& curve, double start, bool with_floor = true) {
     if (curve.size() < least_points || !(curve.front().seconds > start)) return std::nullopt;
     const double unit = std::sqrt((curve.front().seconds - start) * (curve.back().seconds - start));
     const auto at = [&](double log_slope) {
         return fit_linear_part(curve, start, std::exp(log_slope), unit, with_floor);
     };
-    constexpr int steps = 64;
-    const double from = std::log(least_slope), step = std::log(largest_slope / least_slope) / steps;
-    int best = 0;
-    for (int i = 1; i <= steps; ++i)
-        if (at(from + i * step).residual < at(from + best * step).residual) best = i;
-    double lo = from + std::max(best - 1, 0) * step, hi = from + std::min(best + 1, steps) * step;
-    constexpr double golden = 0.6180339887498949;
-    for (int i = 0; i < 40; ++i) {
-        const double left = hi - golden * (hi - lo), right = lo + golden * (hi - lo);
-        (at(left).residual < at(right).residual ? hi : lo) = at(left).residual < at(right).residual ? right : left;
-    }
-    const Fit fit = at((lo + hi) / 2);
+    const Fit fit = at(least_argument([&](double log_slope) { return at(log_slope).residual; }, 64, 40));
     // If the law hardly falls over the measured span, its slope is not determined.
     const bool falls = fit.law.error2(curve.back().seconds) < (1 - least_fall) * fit.law.error2(curve.front().seconds);
     return falls ? std::optional(fit) : std::nullopt;
 }
 
-/// The factor by which the charged time, preparation included, grows from `seconds` on for half the error.
-std::optional<double> halving_factor(const ErrorLaw& law, double seconds) {
-    const auto half = law.seconds_to(law.error2(seconds) / 4);
-    return half ? std::optional(*half / seconds) : std::nullopt;
+/// The law with the best slope and factor for a given floor.
+ErrorLaw law_with_floor(const Curve& curve, double start, double floor) {
+    const double unit = std::sqrt((curve.front().seconds - start) * (curve.back().seconds - start));
+    std::vector<std::pair<double, double>> points;  // log((t - start) / unit), 1 / error2
+    for (const auto& p : curve)
+        points.emplace_back(std::log((p.seconds - start) / unit), 1 / p.error2);
+    double factor = 0;
+    const auto residual = [&](double log_slope) {
+        const double slope = std::exp(log_slope);
+        double ab = 0, bb = 0, aa = 0;  // sums over a = 1 - floor / e and b = u / e
+        for (const auto& [log_time, inverse] : points) {
+            const double bi = std::exp(-slope * log_time) * inverse, ai = 1 - floor * inverse;
+            ab += ai * bi, bb += bi * bi, aa += ai * ai;
+        }
+        factor = std::max(ab / bb, 0.0);
+        return aa - 2 * factor * ab + sqr(factor) * bb;
+    };
+    const double log_slope = least_argument(residual, 8, 24);
+    residual(log_slope);
+    const double slope = std::exp(log_slope);
+    return {.floor = floor, .factor = factor * std::pow(unit, slope), .slope = slope, .start = start};
 }
+
+/// Half the derivative of the residual by the floor at a given one, times the last squared error: below 0 where a
+/// higher floor fits better. The slope and the factor are at their best, so that their changes do not count.
+double floor_derivative(const Curve& curve, double start, double floor) {
+    const ErrorLaw law = law_with_floor(curve, start, floor);
+    double sum = 0;
+    for (const auto& p : curve)
+        sum += (law.error2(p.seconds) / p.error2 - 1) * curve.back().error2 / p.error2;
+    return sum;
+}
+
+/// A curve, and those without one run in turn.
+struct Curves {
+    Curve all;
+    std::vector<Curve> without;
+    double start;
+
+    /// The interval of floor_derivative() at a floor; it misses the truth with probability `missed`.
+    Interval derivative(double floor, double missed) const {
+        std::vector<double> others;
+        for (const Curve& curve : without)
+            others.push_back(floor_derivative(curve, start, floor));
+        return *jackknife(floor_derivative(all, start, floor), others, missed).interval;
+    }
+    /// The highest floor that the runs allow; the last squared error if even 0 is too high for them, because then the law
+    /// does not describe them.
+    double highest_floor(double missed) const {
+        const double end = all.back().error2;
+        const auto allows = [&](double floor) { return derivative(floor, missed).lo <= least_derivative; };
+        return allows(0) ? last_allowed(0, end, allows) : end;
+    }
+    /// The lowest one, above 0 only if there is one that is too low.
+    double lowest_floor(double highest, double missed) const {
+        const auto is_too_low = [&](double floor) { return derivative(floor, missed).hi < -least_derivative; };
+        return is_too_low(0) ? last_allowed(0, highest, is_too_low) : 0;
+    }
+    template <typename Allows>
+    static double last_allowed(double lo, double hi, const Allows& allows) {
+        for (int step = 0; step < 20; ++step) {
+            const double middle = (lo + hi) / 2;
+            (allows(middle) ? lo : hi) = middle;
+        }
+        return lo;
+    }
+};
 
 /// The slope at which log(error2) falls with log(t - start) at the end of a curve: between its last point and the
 /// latest point whose t - start is smaller by the factor `end_span` or more, or the first point if there is none.
@@ -107,34 +182,51 @@ double end_slope(const Curve& curve, double start) {
     return std::log(curve[i].error2 / end.error2) / std::log((end.seconds - start) / (curve[i].seconds - start));
 }
 
-/// The floors, slopes and logarithms of halving factors of the fits that leave out one run in turn. A list is empty
-/// if one of the fits lacks its value.
-struct WithoutOne {
-    std::vector<double> floors, slopes, end_slopes, log_halvings;
-};
+/// Whether a slope is at an end of the range that was searched, so that the curve does not determine it.
+bool is_at_end(const ErrorLaw& law) { return law.slope < 1.01 * least_slope || law.slope > 0.99 * largest_slope; }
 
-WithoutOne fits_without_one(const std::vector<Curve>& runs, double start, double noise_floor) {
-    WithoutOne result;
-    if (runs.size() < 3) return result;
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        const Curve curve = mean_curve(runs, r, noise_floor);
-        const auto fit = fit_law(curve, start);
+/// The laws of all curves; empty if one of them has none.
+std::vector<ErrorLaw> laws_of(const std::vector<Curve>& curves, double start, bool with_floor) {
+    std::vector<ErrorLaw> laws;
+    for (const Curve& curve : curves) {
+        const auto fit = fit_law(curve, start, with_floor);
         if (!fit) return {};
-        result.floors.push_back(fit->law.floor);
-        result.slopes.push_back(fit->law.slope);
-        result.end_slopes.push_back(end_slope(curve, start));
-        if (const auto halving = halving_factor(fit->law, curve.back().seconds))
-            result.log_halvings.push_back(std::log(*halving));
+        laws.push_back(fit->law);
     }
-    if (result.log_halvings.size() < runs.size()) result.log_halvings.clear();
-    return result;
+    return laws;
 }
 
-/// Removes the next halving if only a lower bound of it is known.
-PriceLaw with_known_halving(PriceLaw price) {
-    const auto time = price.extrapolate(price.law.error2(price.last_seconds) / 4);
-    if (!time || time->at_least) price.next_halving.reset();
-    return price;
+/// value(law) with the interval of the jackknife in its logarithm; empty if it is undefined for one of the laws.
+template <typename Value>
+std::optional<Estimate> log_estimate(const ErrorLaw& law, const std::vector<ErrorLaw>& without, const Value& value) {
+    const std::optional<double> whole = value(law);
+    std::vector<double> logs;
+    for (const ErrorLaw& one : without)
+        if (const std::optional<double> v = value(one); v && *v > 0) logs.push_back(std::log(*v));
+    if (!whole || !(*whole > 0) || logs.size() < std::max<std::size_t>(without.size(), 2)) return std::nullopt;
+    const Interval interval = *jackknife(std::log(*whole), logs).interval;
+    return Estimate{*whole, Interval{std::exp(interval.lo), std::exp(interval.hi)}};
+}
+
+/// Adds what the scatter of the runs tells.
+void add_intervals(PriceLaw& price, const Curves& curves) {
+    price.without = laws_of(curves.without, curves.start, true);
+    price.floorless_without = laws_of(curves.without, curves.start, false);
+    if (price.without.empty() || price.floorless_without.empty()) return;
+    std::vector<double> slopes, end_slopes;
+    bool at_end = is_at_end(price.law);
+    for (std::size_t r = 0; r < price.without.size(); ++r) {
+        slopes.push_back(price.without[r].slope);
+        end_slopes.push_back(end_slope(curves.without[r], curves.start));
+        at_end = at_end || is_at_end(price.without[r]);
+    }
+    const double highest = std::max(curves.highest_floor(interval_tail), price.floor.value);
+    const bool bends = jackknife(end_slope(curves.all, curves.start), end_slopes).interval->hi < 1;
+    const double lowest = bends ? std::min(curves.lowest_floor(highest, interval_tail), price.floor.value) : 0;
+    price.floor.interval = Interval{lowest, highest};
+    price.ceiling =
+        law_with_floor(curves.all, curves.start, std::max(curves.highest_floor(ceiling_tail), price.floor.value));
+    if (!at_end) price.slope = jackknife(price.law.slope, slopes);
 }
 
 }  // namespace
@@ -146,45 +238,56 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
     return start + std::pow(factor / (target - floor), 1 / slope);
 }
 
-std::optional<PriceLaw::Extrapolation> PriceLaw::extrapolate(double error2) const {
-    const double certain = floor.interval ? floor.interval->lo : 0;
-    if (law.floor == 0 || certain > 0)
-        if (const auto seconds = law.seconds_to(error2)) return Extrapolation{*seconds, false};
-    if (certain >= error2) return std::nullopt;
-    const auto least = floorless.seconds_to(error2);
-    return least ? std::optional(Extrapolation{*least, true}) : std::nullopt;
+std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_floor) const {
+    using Kind = Extrapolation::Kind;
+    if (!floor.interval || !slope.interval) return std::nullopt;
+    if (!has_no_floor && floor.interval->lo >= error2) return Extrapolation{Kind::never};
+    const auto seconds_to = [error2](const ErrorLaw& one) { return one.seconds_to(error2); };
+    const auto least = log_estimate(floorless, floorless_without, seconds_to);
+    if (!least) return std::nullopt;
+    // An interval this wide says no more than its lower end.
+    const auto told = [&](double seconds, const Interval& interval) {
+        if (interval.hi < widest_interval * interval.lo) return Extrapolation{Kind::time, seconds, interval};
+        return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
+    };
+    if (has_no_floor) return told(least->value, *least->interval);
+    const auto time = log_estimate(law, without, seconds_to);
+    const auto latest = ceiling.seconds_to(error2);
+    if (!time || !latest) return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
+    return told(time->value,
+                {std::min(time->interval->lo, least->interval->lo), std::max(time->interval->hi, *latest)});
+}
+
+Estimate PriceLaw::error2_after(double seconds, bool has_no_floor) const {
+    const ErrorLaw& best = has_no_floor ? floorless : law;
+    const auto e = log_estimate(best, has_no_floor ? floorless_without : without,
+                                [seconds](const ErrorLaw& one) { return std::optional(one.error2(seconds)); });
+    if (!e || !slope.interval) return {best.error2(seconds), std::nullopt};
+    if (has_no_floor) return *e;
+    return {e->value, Interval{std::min(e->interval->lo, floorless.error2(seconds)),
+                               std::max(e->interval->hi, ceiling.error2(seconds))}};
 }
 
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,
                                       double noise_floor) {
     if (runs.empty()) return std::nullopt;
-    const Curve curve = mean_curve(runs, runs.size(), noise_floor);
-    const auto fit = fit_law(curve, start);
+    Curves curves{.all = mean_curve(runs, runs.size(), noise_floor), .without = {}, .start = start};
+    const auto fit = fit_law(curves.all, start), floorless = fit_law(curves.all, start, false);
     if (!fit) return std::nullopt;
-    const ErrorLaw& law = fit->law;
     PriceLaw price;
-    price.law = law;
-    const auto floorless = fit_law(curve, start, false);
-    price.floorless = floorless ? floorless->law : law;
-    price.floor = {law.floor, std::nullopt};
-    price.slope = {law.slope, std::nullopt};
-    price.first_seconds = curve.front().seconds;
-    price.last_seconds = curve.back().seconds;
-    for (const auto& p : curve)
-        price.misfit = std::max(price.misfit, std::abs(law.error2(p.seconds) / p.error2 - 1));
-    if (const auto halving = halving_factor(law, price.last_seconds)) price.next_halving = {*halving, std::nullopt};
-
-    const WithoutOne without = fits_without_one(runs, start, noise_floor);
-    if (without.slopes.empty()) return with_known_halving(price);
-    price.floor = jackknife(law.floor, without.floors);
-    const bool bends = jackknife(end_slope(curve, start), without.end_slopes).interval->hi < 1;
-    price.floor.interval->lo = bends ? std::max(0.0, price.floor.interval->lo) : 0;
-    price.slope = jackknife(law.slope, without.slopes);
-    if (price.next_halving && !without.log_halvings.empty()) {
-        const Estimate log_halving = jackknife(std::log(price.next_halving->value), without.log_halvings);
-        price.next_halving->interval = {std::exp(log_halving.interval->lo), std::exp(log_halving.interval->hi)};
-    }
-    return with_known_halving(price);
+    price.law = fit->law;
+    price.floorless = floorless ? floorless->law : fit->law;
+    price.ceiling = fit->law;
+    price.floor = {fit->law.floor, std::nullopt};
+    price.slope = {fit->law.slope, std::nullopt};
+    price.first_seconds = curves.all.front().seconds;
+    price.last_seconds = curves.all.back().seconds;
+    for (const auto& p : curves.all)
+        price.misfit = std::max(price.misfit, std::abs(fit->law.error2(p.seconds) / p.error2 - 1));
+    for (std::size_t r = 0; runs.size() > 2 && r < runs.size(); ++r)
+        curves.without.push_back(mean_curve(runs, r, noise_floor));
+    add_intervals(price, curves);
+    return price;
 }
 
 }  // namespace gib

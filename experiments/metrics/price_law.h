@@ -26,40 +26,50 @@ struct ErrorLaw {
     std::optional<double> seconds_to(double error2) const;
 };
 
+/// What a law says about the time to an error that was not measured.
+struct Extrapolation {
+    enum class Kind {
+        time,      ///< `seconds`, with a 95 % interval
+        at_least,  ///< `seconds` is a lower bound: the law may have a floor above the error
+        never,     ///< the law has a floor above the error
+    };
+    Kind kind;
+    double seconds = 0;
+    std::optional<Interval> interval = std::nullopt;
+};
+
 /// The law of one method's runs, with 95 % intervals.
 struct PriceLaw {
     ErrorLaw law;
-    ErrorLaw floorless;  ///< the best law with floor 0, for use where the floor is not resolved
+    ErrorLaw floorless;  ///< the best law with floor 0
+    ErrorLaw ceiling;    ///< the best law with the highest floor that the runs allow, with a confidence of 99.75 %
+    /// The laws of the runs without one in turn; empty below 3 runs, or if one of them has none.
+    std::vector<ErrorLaw> without, floorless_without;
     Estimate floor, slope;
     /// The largest relative deviation of the law from a measured squared error; near 0 where the law holds.
     double misfit = 0;
     double first_seconds = 0, last_seconds = 0;  ///< the measured span; the law extrapolates beyond it
-    /// The factor by which the time of the last point has to grow for half its error, by extrapolation. Empty if the
-    /// floor is above that error, or if a floor was fitted but is not resolved, so that only a lower bound is known
-    /// (see extrapolate()).
-    std::optional<Estimate> next_halving;
 
-    /// The time to a squared error that was not measured.
-    struct Extrapolation {
-        double seconds;
-        /// `seconds` is a lower bound, by `floorless`: the fitted floor is not resolved, or the error lies within the
-        /// interval of the floor.
-        bool at_least;
-    };
-    /// Empty if the error is never reached, as far as the scatter of the runs can tell.
-    std::optional<Extrapolation> extrapolate(double error2) const;
+    /// The time to a squared error that was not measured. The fitted floor does not decide, because 0 is its most common
+    /// value where a floor cannot be seen: what decides is how high the floor may be. `has_no_floor`: theory says so, as
+    /// for unbiased methods whose samples are all fresh. Empty without intervals, or if the slope is at the end of its
+    /// range.
+    std::optional<Extrapolation> extrapolate(double error2, bool has_no_floor = false) const;
+    /// The 95 % interval of the squared error after `seconds`, without interval for fewer than 3 runs.
+    Estimate error2_after(double seconds, bool has_no_floor) const;
 };
 
-/// Fits the law to the mean of the runs' squared errors at equal points of their curves (equal passes), by weighted
-/// least squares. The standard deviation of a squared error is taken as proportional to the squared error itself,
-/// because the noise of an image's error is relative; the weight of a point is the inverse of its variance. For every
-/// slope, floor >= 0 and factor solve a linear problem in two unknowns; the slope is found by a one-dimensional
-/// search in [0.1, 4].
+/// Fits the law to the mean of the runs' squared errors at equal points of their curves, by weighted least squares. The
+/// standard deviation of a squared error is taken as proportional to the squared error itself, because the noise of an
+/// image's error is relative; the weight of a point is the inverse of its variance. For every slope, floor >= 0 and
+/// factor solve a linear problem in two unknowns; the slope is found by a one-dimensional search in [0.1, 4].
 /// Intervals come from the delete-one jackknife over whole runs, because the points of one run are correlated, with
-/// Student's t. There are none below 3 runs. The floor's interval is cut off at 0. The noise of independent samples
-/// falls as 1 / t; an error that falls faster at first, as with low-discrepancy points, bends as if there were a
-/// floor. So the floor's interval begins at 0 unless the slope at the end of the curve, over the last factor of 4 in
-/// t - start, is below 1 with its whole interval.
+/// Student's t. There are none below 3 runs, nor of a slope at an end of its range. That of the floor holds the floors F
+/// at which the derivative of the residual by F, with the best slope and factor for F, cannot be told from 0: unlike the
+/// fitted floor, which often is exactly 0, it scatters from run to run. The noise of independent samples falls as 1 / t;
+/// an error that falls faster at first, as with low-discrepancy points, bends as if there were a floor. So the floor's
+/// interval begins at 0 unless the slope at the end of the curve, over the last factor of 4 in t - start, is below 1 with
+/// its whole interval.
 /// `noise_floor`: the squared error that is lost in the reference's own noise; curves end there. Empty if fewer than
 /// 4 points have a positive mean error, or if the squared error falls by less than 1 %.
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,

@@ -100,6 +100,18 @@ std::vector<double> hann_correlation(std::size_t n) {
     return correlation;
 }
 
+/// A lag window that is 1 for lags up to a quarter of n, and falls to 0 at three quarters. The correlation of the Hann
+/// window bends at lag 0, which adds 1 / (3 n^2) to the mean square of each frequency: the centroid of Gaussian noise of
+/// 3 pixels is 19 % too high in 24 pixels, and 3 % in 64. A flat top adds nothing to noise whose correlation ends there.
+std::vector<double> flat_top(std::size_t n) {
+    std::vector<double> window(n);
+    for (std::size_t lag = 0; lag < n; ++lag) {
+        const double u = std::clamp(2 * static_cast<double>(lag) / static_cast<double>(n) - 0.5, 0.0, 1.0);
+        window[lag] = 0.5 + 0.5 * std::cos(std::numbers::pi * u);
+    }
+    return window;
+}
+
 double sum_of_squares(const Field& field) {
     double sum = 0;
     for (double v : field)
@@ -270,22 +282,29 @@ Field half_bias(const std::vector<Image>& replicates, const std::vector<Image>& 
     return bias;
 }
 
-/// The power spectrum of stationary noise that is known only in the pixels of a mask, at the frequencies of an image.
-/// White noise has power 1.
+/// The autocorrelations of noise that is known only in the pixels of a mask, and of the mask.
+struct Correlations {
+    Field products, pairs;
+    Correlations(const std::vector<Field>& noise, const Field& mask, Size size)
+        : products(autocorrelation(noise, size)), pairs(autocorrelation({mask}, size)) {}
+};
+
+/// The power spectrum of stationary noise that is known only in the pixels of a mask, at the frequencies of an image,
+/// with a lag window for each axis. White noise has power 1.
 ///
 /// A transform of the masked and windowed image would broaden the spectrum of smooth noise (its centroid by 15 %
 /// where a disc of a fifth of the width is masked), and the window would waste most pixels. The correlation function
 /// avoids both. The sum of z(p) z(p + lag) over the pairs of pixels kept, divided by the number of pairs, is unbiased
 /// for any mask. Times the correlation of the Hann window with itself, its transform has the same expectation as the
-/// periodogram of an unmasked image under that window. MASTER (Hivon et al. 2002, ApJ 567) does the same for maps of
+/// periodogram of an unmasked image under that window, which is never negative. Moments of the spectrum take flat_top(). MASTER (Hivon et al. 2002, ApJ 567) does the same for maps of
 /// the sky. The mean of an image is not subtracted: the noise has mean zero by construction, and power would be lost
 /// around DC.
-Field power_through_mask(const std::vector<Field>& noise, const Field& mask, Size size) {
+Field power_through_mask(const Correlations& correlations, Size size, std::vector<double> (*lag_window)(std::size_t)) {
     // A lag is damped if it has few pairs: fewer than this share
     // of its weight by the window, times the pairs of lag 0.
     constexpr double least_share = 0.1;
-    const Field products = autocorrelation(noise, size), pairs = autocorrelation({mask}, size);
-    const std::vector<double> across = hann_correlation(size.width), down = hann_correlation(size.height);
+    const auto& [products, pairs] = correlations;
+    const std::vector<double> across = lag_window(size.width), down = lag_window(size.height);
     const double variance = products[0] / pairs[0];  // summed over the replicates, like `products`
     // Lags that differ by the width or the height have the same phase at the frequencies of the image.
     Field folded(size.pixels());
@@ -315,7 +334,8 @@ std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates
     const Size size = size_of(reference);
     const WhitenedNoise noise = whitened_noise(replicates, reference);
     if (std::none_of(noise.mask.begin(), noise.mask.end(), [](double kept) { return kept > 0; })) return std::nullopt;
-    const Field power = power_through_mask(noise.replicates, noise.mask, size);
+    const Correlations correlations(noise.replicates, noise.mask, size);
+    const Field power = power_through_mask(correlations, size, flat_top);
 
     double sum = 0, moment = 0, low = 0, low_count = 0, count = 0;
     for_each_frequency(size, [&](double frequency, std::size_t i, double multiplicity) {
@@ -329,7 +349,8 @@ std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates
     });
     if (!(sum > 0)) return std::nullopt;
     const double low_ratio = low_count > 0 ? low / sum * count / low_count : std::numeric_limits<double>::quiet_NaN();
-    return NoiseSpectrum{radial(power, size), moment / sum, low_ratio};
+    return NoiseSpectrum{radial(power_through_mask(correlations, size, hann_correlation), size), moment / sum,
+                         low_ratio};
 }
 
 std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, const ReferenceLayer& reference) {

@@ -369,14 +369,14 @@ void require_same_size(const Image& image, const Image& reference) {
 
 }  // namespace
 
-Estimate jackknife(double value, const std::vector<double>& without) {
+Estimate jackknife(double value, const std::vector<double>& without, double tail) {
     const auto n = static_cast<double>(without.size());
     double mean = 0, scatter = 0;
     for (const double v : without)
         mean += v / n;
     for (const double v : without)
         scatter += sqr(v - mean);
-    const double half = student_t_two_sided(interval_tail, n - 1) * std::sqrt((n - 1) / n * scatter);
+    const double half = student_t_two_sided(tail, n - 1) * std::sqrt((n - 1) / n * scatter);
     return {value, Interval{value - half, value + half}};
 }
 

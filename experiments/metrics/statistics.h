@@ -35,8 +35,9 @@ struct Estimate {
 };
 
 /// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), by Student's t with n - 1
-/// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn.
-Estimate jackknife(double value, const std::vector<double>& without);
+/// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn. The
+/// interval misses the truth with probability `tail`, both sides together.
+Estimate jackknife(double value, const std::vector<double>& without, double tail = 0.05);
 
 /// The errors of one method, from several independently seeded images.
 struct ReplicateStatistics {

@@ -44,6 +44,11 @@ double skewness_shift(const std::vector<double>& values, double mean, double hal
 
 }  // namespace
 
+std::optional<double> crossing_time(const std::vector<CurvePoint>& curve, double target) {
+    const double log_time = log_crossing(curve, target);
+    return std::isnan(log_time) ? std::nullopt : std::optional(std::exp(log_time));
+}
+
 std::optional<Estimate> time_to_error(const std::vector<std::vector<CurvePoint>>& curves, double target) {
     std::vector<double> times;
     for (const auto& curve : curves) {

@@ -13,6 +13,9 @@ struct CurvePoint {
     double seconds, error;
 };
 
+/// The time [s] at which a curve first is at or below the target; empty if it never is.
+std::optional<double> crossing_time(const std::vector<CurvePoint>& curve, double target);
+
 /// The time [s] at which the error of a replicate first falls to `target`, as the mean over replicates in log(time).
 /// Between checkpoints, a curve is interpolated in log(time) and log(error). A curve whose first checkpoint is good
 /// enough counts with that checkpoint's time, an upper bound, because nothing is extrapolated. The interval is wider on

@@ -1,46 +1,66 @@
 #include "experiments/report/error_words.h"
 
+#include "experiments/analysis/error_fields.h"
+#include "experiments/analysis/left_out.h"
+#include "experiments/report/field_text.h"
 #include "experiments/text/numbers.h"
-#include "experiments/text/spaced.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace gib {
 
 namespace {
 
-std::string percent(double share) {
-    const double value = 100 * std::clamp(share, 0.0, 1.0);
-    return value > 0 && value < 1 ? fmt::format("{:.1g}", value) : fmt::format("{:.0f}", value);
+/// "`a`, `b` and 3 more"
+std::string named(const std::vector<std::string>& methods) {
+    constexpr std::size_t most = 3;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(most, methods.size()); ++i)
+        text += fmt::format("{}`{}`", i > 0 ? ", " : "", methods[i]);
+    return methods.size() > most ? fmt::format("{} and {} more", text, methods.size() - most) : text;
 }
 
 }  // namespace
 
 std::string left_out(const TableRow& row) {
-    const std::string effects = spaced(row.effects_missing);
+    const std::string effects = words_of(row.effects_missing);
     if (row.components_missing.empty()) return effects;
-    return effects + (effects.empty() ? "" : "; ") + "light of " + spaced(row.components_missing);
+    return effects + (effects.empty() ? "" : "; ") + "light of " + words_of(row.components_missing);
 }
 
 std::string error_kind(const TableRow& row) {
-    if (!row.statistics) return "";
-    if (row.is_unbiased) return "noise: the method is unbiased";
-    const auto& [bias2, variance] = std::pair(row.statistics->bias2, row.statistics->variance);
-    if (!bias2 || !variance || !bias2->interval) return "bias or noise: two seeds would tell";
-    const double sum = at_least_zero(bias2->value) + at_least_zero(variance->value);
-    if (!(sum > 0) || !std::isfinite(sum)) return "";
-    const double share = bias2->value / sum, lo = bias2->interval->lo / sum, hi = bias2->interval->hi / sum;
-    if (lo > 0 && share < 0.5)
-        return fmt::format("noise; bias is {} % of the squared error, {} to {}", percent(share), percent(lo),
-                           percent(hi));
-    if (lo > 0)
-        return fmt::format("bias: {} % of the squared error, {} to {}", percent(share), percent(lo), percent(hi));
-    if (hi < 0.5) return fmt::format("noise; bias below {} % of the squared error", percent(hi));
-    if (hi < 1) return fmt::format("bias or noise: not resolved, bias below {} % of the squared error", percent(hi));
-    return "bias or noise: not resolved";
+    const Field share = bias_share_field(row);
+    const auto [value, detail] = text_of(share, " %");
+    switch (share.state) {
+        case State::unbiased:
+            return "noise: the method is unbiased";
+        case State::below:
+            return fmt::format("{}bias {} of the squared error",
+                               share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
+        case State::measured:
+            return share.value < 0.5 ? fmt::format("noise; bias is {} of the squared error, {}", value, detail)
+                                     : fmt::format("bias: {} of the squared error, {}", value, detail);
+        case State::cannot_be_told:
+            return row.statistics->bias2 && row.statistics->bias2->interval ? "bias or noise: not resolved"
+                                                                            : "bias or noise: two seeds would tell";
+        default:
+            return "";
+    }
+}
+
+std::string doubts(const std::vector<Contender>& ranking) {
+    const Contender* best = best_of(ranking);
+    if (!best) return "";
+    return doubts(those(ranking, Standing::tie), those(ranking, Standing::open), best->values.size() < 2);
+}
+
+std::string doubts(const std::vector<std::string>& ties, const std::vector<std::string>& open, bool one_seed) {
+    std::string text;
+    if (!ties.empty()) text = one_seed ? "one seed does not tell" : "tie with " + named(ties);
+    if (!open.empty()) text += fmt::format("{}not run longer: {}", text.empty() ? "" : "; ", named(open));
+    return text;
 }
 
 }  // namespace gib

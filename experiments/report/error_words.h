@@ -1,9 +1,11 @@
 #pragma once
-// Says in words what a method's error is made of, and what the method leaves out.
+// Says in words what a method's error is made of, what the method leaves out, and how it stands beside the best one.
 
+#include "experiments/analysis/ranking.h"
 #include "experiments/analysis/table_row.h"
 
 #include <string>
+#include <vector>
 
 namespace gib {
 
@@ -12,7 +14,12 @@ std::string left_out(const TableRow& row);
 
 /// Whether the error of the final images is bias or noise: "noise; bias below 16 % of the squared error", "bias: 63 % of
 /// the squared error, 51 to 75". The shares are bias^2 and its 95 % interval, over bias^2 + variance. For a method that
-/// is declared unbiased and leaves out nothing: "noise: the method is unbiased". Empty if the component is not judged.
+/// is declared unbiased and leaves out nothing: "noise: the method is unbiased". Empty if the layer is not judged.
 std::string error_kind(const TableRow& row);
+
+/// What a sentence about the best has to add: "tie with `a`, `b`", "one seed does not tell", "not run longer: `c`"; empty if it is told apart from all others.
+std::string doubts(const std::vector<Contender>& ranking);
+/// The same of methods by their names.
+std::string doubts(const std::vector<std::string>& ties, const std::vector<std::string>& open, bool one_seed);
 
 }  // namespace gib

@@ -2,9 +2,10 @@
 
 #include "common/core/files.h"
 #include "experiments/analysis/same_method.h"
+#include "experiments/report/answers.h"
+#include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
 #include "experiments/report/photon_links.h"
-#include "experiments/report/price_text.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
@@ -18,10 +19,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <functional>
-#include <set>
 
 namespace gib {
 
@@ -35,92 +34,91 @@ using kainjow::mustache::object;
 
 data optional_text(const std::string& text) { return text.empty() ? data(false) : data(text); }
 
-/// Whether a column holds words, which stand on the left.
-bool is_of_words(const std::string& column) {
-    static const std::set<std::string> names = {
-        "method",        "before",          "best",  "component",     "parameter",
-        "times as much", "missing effects", "image", "bias or noise", "energy differs in"};
-    return names.count(column) > 0;
+/// The place of a method's colour among those of the charts.
+data color_of(const Analysis& analysis, const std::string& method) {
+    const auto& methods = analysis.index.methods;
+    const auto found = std::find(methods.begin(), methods.end(), method);
+    return found == methods.end() ? data(false) : data(std::to_string((found - methods.begin()) % 10));
 }
 
-/// A field. A text such as "12.3 (11.2 to 13.5)" has what stands in brackets as `detail`.
-data field_data(const std::string& text, bool first, bool of_words) {
-    const std::size_t at = text.find(" (");
-    const bool split = at != std::string::npos && text.back() == ')';
-    return object{{"value", text.substr(0, split ? at : std::string::npos)},
-                  {"detail", split ? data(text.substr(at + 2, text.size() - at - 3)) : data(false)},
-                  {"tag", first ? "th" : "td"},
-                  {"first", first},
-                  {"words", of_words}};
+data bar_data(const std::vector<double>& shares, const Section& section) {
+    list bar;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        const bool stages = section.kind == Section::Kind::stages;
+        bar.push_back(object{{"width", fmt::format("{:.1f}", 100 * shares[i])},
+                             {"color", stages   ? fmt::format("stage-{}", i % 14)
+                                       : i == 0 ? "bias"
+                                                : "noise"},
+                             {"title", stages   ? section.columns[i + 1].heading
+                                       : i == 0 ? "bias^2"
+                                                : "variance"}});
+    }
+    return bar;
 }
 
-data row_data(const Section::Row& row, const Section& section) {
+data entry_data(const Entry& entry, const Analysis& analysis, const Section& section, std::size_t column) {
+    const auto* field = std::get_if<Field>(&entry.shown);
+    const FieldText text = field ? text_of(*field) : FieldText{std::get<std::string>(entry.shown), ""};
+    std::string classes = section.columns[column].of_words ? "text" : "";
+    for (const auto& [mark, name] : {std::pair(Mark::best, " best"), {Mark::tie, " tie"}, {Mark::grey, " never"}})
+        if (entry.mark == mark) classes += name;
+    return object{{"value", text.value},
+                  {"detail", optional_text(text.detail)},
+                  {"tag", column == 0 ? "th" : "td"},
+                  {"first", column == 0},
+                  {"classes", optional_text(classes)},
+                  {"color", color_of(analysis, entry.method)},
+                  {"has_bar", !entry.shares.empty()},
+                  {"bar", bar_data(entry.shares, section)}};
+}
+
+data row_data(const Section::Row& row, const Analysis& analysis, const Section& section) {
     list fields;
-    for (std::size_t i = 0; i < section.columns.size(); ++i)
-        fields.push_back(field_data(row.fields[i], i == 0, is_of_words(section.columns[i])));
+    for (std::size_t i = 0; i < row.entries.size(); ++i)
+        fields.push_back(entry_data(row.entries[i], analysis, section, i));
     return object{{"scene", row.scene},
-                  {"component", optional_text(row.component)},
-                  {"sentence", row.fields.front()},
-                  {"warning", row.fields.front().starts_with("Warning")},
+                  {"component", row.layer ? data(std::string(name_of(*row.layer))) : data(false)},
+                  {"sentence", row.sentence},
+                  {"warning", row.is_warning},
                   {"fields", fields}};
 }
 
 using Keeps = std::function<bool(const Section::Row&)>;
 
 /// The sections with some of their rows; those without rows are left out.
-data sections_data(const std::vector<Section>& all, const Keeps& keeps) {
+data sections_data(const std::vector<Section>& all, const Analysis& analysis, const Keeps& keeps) {
     list sections;
     for (const Section& section : all) {
         list columns, rows;
         for (const auto& row : section.rows)
-            if (keeps(row)) rows.push_back(row_data(row, section));
+            if (keeps(row)) rows.push_back(row_data(row, analysis, section));
         if (rows.empty()) continue;
-        for (const auto& name : section.columns)
-            columns.push_back(object{{"name", name}, {"words", is_of_words(name)}, {"first", columns.empty()}});
+        const bool stages = section.kind == Section::Kind::stages;
+        for (std::size_t i = 0; i < section.columns.size(); ++i)
+            columns.push_back(object{{"name", section.columns[i].heading},
+                                     {"words", section.columns[i].of_words},
+                                     {"first", i == 0},
+                                     {"stage", stages && i > 0 ? data(std::to_string((i - 1) % 14)) : data(false)}});
         sections.push_back(object{{"title", section.title},
                                   {"intro", optional_text(section.sentence)},
-                                  {"by_component", !section.rows.front().component.empty()},
+                                  {"by_component", section.rows.front().layer.has_value()},
                                   {"columns", columns},
                                   {"table", !columns.empty()},
                                   {"rows", rows},
-                                  {section.title, true}});  // the report puts charts beside some sections
+                                  {"noise", section.kind == Section::Kind::noise}});
     }
     return sections;
 }
 
-/// ", 2.80 s (extrapolated)" of "2.80 (extrapolated)", and the like; empty for words without a time.
-std::string seconds_text(const std::string& time) {
-    const std::size_t at = time.find(" (extrapolated)");
-    return at == std::string::npos ? "" : ", " + time.substr(0, at) + " s" + time.substr(at);
-}
-
-/// The method that reaches each of asked_targets first; none where a part of the light is not judged.
-data cheapest_data(const ReferenceQuality& quality, const Analysis& analysis) {
-    list cheapest;
+data cheapest_data(const std::string& scene, const Analysis& analysis) {
+    list answers;
     for (const std::size_t t : asked_targets) {
-        const TableRow* best = nullptr;
-        if (!quality.unjudged.empty()) {
-            cheapest.push_back(object{{"method", "not judged"}, {"seconds", false}});
-            continue;
-        }
-        for (const TableRow& row : analysis.rows)
-            if (row.scene == quality.scene && row.component == total_name && reaches(row, t) &&
-                (!best || row.times[t]->value < best->times[t]->value))
-                best = &row;
-        const bool resolved = is_target_resolved(t, analysis.noise_floor(quality.scene, total_name));
-        if (best) {
-            cheapest.push_back(
-                object{{"method", best->method}, {"seconds", short_number(best->times[t]->value) + " s"}});
-            continue;
-        }
-        // Where no method has reached the error, the closest one and its time by the fitted law stand there.
-        const TableRow* closest = resolved ? closest_row(analysis, quality.scene) : nullptr;
-        const std::string time = closest ? time_text(*closest, t) : "";
-        const std::string detail = fmt::format("closest: {}{}", closest ? closest->method : "", seconds_text(time));
-        cheapest.push_back(object{{"method", resolved ? "not reached" : "not resolved"},
-                                  {"seconds", closest ? data(detail) : data(false)}});
+        const ShortAnswer answer = cheapest(analysis, scene, t);
+        answers.push_back(object{{"method", answer.method},
+                                 {"color", color_of(analysis, answer.method)},
+                                 {"detail", optional_text(answer.detail)}});
     }
-    return cheapest;
+    return answers;
 }
 
 /// The images of a scene at equal time, which the report's script draws beside these words.
@@ -129,16 +127,19 @@ data looks_data(const Analysis& analysis, const std::string& scene) {
     for (const LookWords& words : look_words(analysis, scene))
         looks.push_back(object{{"method", words.look.method},
                                {"attribute", html_escape(words.look.method)},
+                               {"color", color_of(analysis, words.look.method)},
                                {"external", analysis.index.is_external(words.look.method)},
                                {"passes", std::to_string(words.look.passes)},
-                               {"error", words.error},
-                               {"percent", std::isdigit(static_cast<unsigned char>(words.error.back())) != 0},
-                               {"flip", optional_text(words.flip)},
+                               {"error", line_of(words.error, words.error.is_measured() ? " %" : "")},
+                               {"beside", optional_text(words.beside)},
+                               {"flip", words.look.error2 ? optional_text(line_of(words.flip)) : data(false)},
                                {"kind", optional_text(words.kind)},
                                {"missing", optional_text(words.missing)},
                                {"energy", optional_text(words.energy)},
                                {"shown", words.shown},
-                               {"best", looks.empty()}});
+                               {"late", !words.look.error2},
+                               {"tie", words.is_tie},
+                               {"best", words.is_best}});
     return looks;
 }
 
@@ -154,8 +155,10 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
     const auto of_scene = [&](const Section::Row& row) { return row.scene == quality.scene; };
     std::vector<Section> words, tables;
     for (const Section& section : all)
-        if (section.title != look_title) (section.columns.empty() ? words : tables).push_back(section);
-    const data tables_of_scene = sections_data(tables, of_scene);
+        if (section.kind == Section::Kind::words) words.push_back(section);
+        else if (section.kind != Section::Kind::looks && section.kind != Section::Kind::warnings)
+            tables.push_back(section);
+    const data tables_of_scene = sections_data(tables, analysis, of_scene);
     const data looks = looks_data(analysis, quality.scene);
     return object{{"scene", quality.scene},
                   {"number", std::to_string(&quality - analysis.references.data())},
@@ -166,14 +169,23 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"scene_epsilon", fmt::format("{:.4g}", quality.epsilon)},
                   {"target", quality.target ? data(percent_text(*quality.target)) : data(false)},
                   {"notes", list(quality.notes.begin(), quality.notes.end())},
-                  {"cheapest", cheapest_data(quality, analysis)},
+                  {"cheapest", cheapest_data(quality.scene, analysis)},
                   {"complete", tables_of_scene.is_non_empty_list()},
                   {"looks", looks},
                   {"look", looks.is_non_empty_list()},
                   {"many", looks.list_value().size() > 7},
                   {"look_seconds", look_seconds(analysis, quality.scene)},
-                  {"words", sections_data(words, of_scene)},
+                  {"words", sections_data(words, analysis, of_scene)},
                   {"tables", tables_of_scene}};
+}
+
+/// What the headings of the tables mean, by their declarations.
+data meanings_data() {
+    list meanings;
+    for (const RowColumn& column : row_columns())
+        if (column.sections != 0 && !column.sentence.empty())
+            meanings.push_back(object{{"heading", column.heading}, {"meaning", column.sentence}});
+    return meanings;
 }
 
 std::string counted(int count, const char* name) { return fmt::format("{} {}{}", count, name, count == 1 ? "" : "s"); }
@@ -184,8 +196,10 @@ std::string counted(int count, const char* name) { return fmt::format("{} {}{}",
 data page_data(const Analysis& analysis) {
     const ResultIndex& index = analysis.index;
     const std::vector<Section> all = sections(analysis);
-    const auto in_table = [](const Section::Row& row) { return row.component.empty() || row.component == total_name; };
-    list scenes, targets;
+    const auto in_table = [](const Section::Row& row) { return row.layer.value_or(Layer::total) == Layer::total; };
+    list scenes, targets, warnings;
+    for (const Warning& w : analysis.warnings)
+        warnings.push_back(fmt::format("{}: {}", w.scene, sentence_of(w)));
     for (const auto& quality : analysis.references)
         scenes.push_back(scene_data(quality, all, analysis));
     for (const std::size_t t : asked_targets)
@@ -198,8 +212,10 @@ data page_data(const Analysis& analysis) {
         {"seeds", counted(index.seeds, "seed")},
         {"threads", counted(index.threads, "thread")},
         {"missing_cells", optional_text(analysis.missing_cells ? std::to_string(analysis.missing_cells) : "")},
-        {"sections", sections_data(all, in_table)},
+        {"warnings", warnings},
+        {"sections", sections_data(all, analysis, in_table)},
         {"targets", targets},
+        {"meanings", meanings_data()},
         {"scenes", scenes},
         {"section", std::string(embedded_file("report_page/section.html"))}};
 }

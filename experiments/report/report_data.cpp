@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 
 namespace gib {
 
@@ -14,20 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-struct MeanPoint {
-    std::uint32_t passes;
-    double seconds;  ///< mean over the seeds
-    /// Square roots of the seeds' mean squared errors, less the reference's own variance. Their 95 % intervals come
-    /// from Student's t over the scatter of the seeds alone and are symmetric in the logarithm; one seed has none.
-    Estimate relative_rmse, rmse;
-};
-
-/// The checkpoints of the seeds after the same number of passes.
-struct Pass {
-    double seconds = 0;                      // summed over the seeds
-    std::vector<double> relative, absolute;  // squared errors
-};
-
+/// The square root of the mean of squared errors, less the reference's own variance. Its 95 % interval comes from
+/// Student's t over the scatter of the seeds alone and is symmetric in the logarithm; one seed has none.
 Estimate root_of_mean(const std::vector<double>& squares) {
     const SampleMean mean = sample_mean(squares);
     // Below the noise floor, an error less the reference's own variance may be negative.
@@ -38,40 +25,6 @@ Estimate root_of_mean(const std::vector<double>& squares) {
     const double half = half_width({mean.variance}, 0.05) / mean.value / 2;
     root.interval = Interval{root.value * std::exp(-half), root.value * std::exp(half)};
     return root;
-}
-
-/// The points of the curve that logarithmic axes can show, with times and errors above 0, and whose error is above
-/// the noise floor.
-std::vector<MeanPoint> mean_curve(const Analysis& analysis, const std::string& scene, const std::string& method,
-                                  const std::string& component) {
-    std::map<std::uint32_t, Pass> passes;
-    std::size_t seeds = 0;
-    for (const Cell& cell : analysis.cells) {
-        if (cell.scene != scene || cell.method != method) continue;
-        ++seeds;
-        for (const auto& [checkpoint, errors] : cell.checkpoints) {
-            const auto error = errors.find(component);
-            if (error == errors.end()) continue;
-            Pass& pass = passes[checkpoint.passes];
-            pass.seconds += checkpoint.seconds;
-            pass.relative.push_back(error->second.rel_mse_corrected);
-            pass.absolute.push_back(error->second.mse_corrected);
-        }
-    }
-    const double noise_floor = std::sqrt(analysis.noise_floor(scene, component));
-    std::vector<MeanPoint> curve;
-    for (const auto& [number, pass] : passes) {
-        if (pass.relative.size() != seeds) continue;
-        const MeanPoint point{.passes = number,
-                              .seconds = pass.seconds / static_cast<double>(seeds),
-                              .relative_rmse = root_of_mean(pass.relative),
-                              .rmse = root_of_mean(pass.absolute)};
-        const auto drawn = [](double v) { return std::isfinite(v) && v > 0; };
-        if (drawn(point.seconds) && drawn(point.relative_rmse.value) && point.relative_rmse.value > noise_floor &&
-            drawn(point.rmse.value))
-            curve.push_back(point);
-    }
-    return curve;
 }
 
 void append(json& numbers, const Estimate& e) {
@@ -86,17 +39,31 @@ json stops_of(const Analysis& analysis, const std::string& scene, std::size_t me
     return found == analysis.stops.end() ? json::array() : json(found->second);
 }
 
-json curves_of(const Analysis& analysis, const std::string& scene, const std::string& component) {
+/// The points of a curve that logarithmic axes can show: times and errors above 0, and errors above the noise floor.
+json points_of(const Runs& cells, Layer layer, double noise_floor) {
+    const auto drawn = [](double v) { return std::isfinite(v) && v > 0; };
+    json points = json::array();
+    for (const MeanPoint& p : mean_curve(cells, layer)) {
+        const Estimate relative = root_of_mean(p.relative), absolute = root_of_mean(p.absolute);
+        if (!drawn(p.seconds) || !drawn(relative.value) || !(relative.value > noise_floor) || !drawn(absolute.value))
+            continue;
+        json point = {p.most_passes, p.seconds};
+        append(point, relative);
+        append(point, absolute);
+        point.push_back(p.least_passes);
+        points.push_back(std::move(point));
+    }
+    return points;
+}
+
+json curves_of(const Analysis& analysis, const std::string& scene, Layer layer) {
     json curves = json::array();
+    const CellsByMethod cells = cells_by_method(analysis, scene);
+    const double noise_floor = std::sqrt(analysis.noise_floor(scene, layer));
     for (std::size_t m = 0; m < analysis.index.methods.size(); ++m) {
-        json points = json::array();
-        for (const MeanPoint& p : mean_curve(analysis, scene, analysis.index.methods[m], component)) {
-            json point = {p.passes, p.seconds};
-            append(point, p.relative_rmse);
-            append(point, p.rmse);
-            points.push_back(std::move(point));
-        }
-        if (!points.empty())
+        const auto found = cells.find(analysis.index.methods[m]);
+        if (found == cells.end()) continue;
+        if (json points = points_of(found->second, layer, noise_floor); !points.empty())
             curves.push_back({{"method", m}, {"points", std::move(points)}, {"stops", stops_of(analysis, scene, m)}});
     }
     return curves;
@@ -109,14 +76,14 @@ json points_of(const std::vector<SpectrumPoint>& curve) {
     return points;
 }
 
-json spectra_of(const Analysis& analysis, const std::string& scene, const std::string& component) {
+/// Theory says of unbiased methods that there is no bias; what the seeds show of it is noise.
+json spectra_of(const Analysis& analysis, const std::string& scene, Layer layer) {
     json spectra = json::array();
     for (std::size_t m = 0; m < analysis.index.methods.size(); ++m)
-        for (const TableRow& row : analysis.rows)
-            if (row.scene == scene && row.component == component && row.method == analysis.index.methods[m])
-                spectra.push_back({{"method", m},
-                                   {"noise", row.noise ? points_of(row.noise->curve) : json::array()},
-                                   {"bias", points_of(row.bias)}});
+        if (const TableRow* row = analysis.row(scene, analysis.index.methods[m], layer))
+            spectra.push_back({{"method", m},
+                               {"noise", row->noise ? points_of(row->noise->curve) : json::array()},
+                               {"bias", row->is_unbiased ? json::array() : points_of(row->bias)}});
     return spectra;
 }
 
@@ -126,14 +93,16 @@ json report_data(const Analysis& analysis) {
     json scenes = json::object();
     for (const auto& quality : analysis.references) {
         const std::string& scene = quality.scene;
-        json entry = {{"components", components_of(analysis, scene)},
+        json entry = {{"components", json::array()},
                       {"curves", json::object()},
                       {"spectra", json::object()},
                       {"noise_floor", json::object()}};
-        for (const auto& component : components_of(analysis, scene)) {
-            entry["curves"][component] = curves_of(analysis, scene, component);
-            entry["spectra"][component] = spectra_of(analysis, scene, component);
-            entry["noise_floor"][component] = std::sqrt(analysis.noise_floor(scene, component));
+        for (const Layer layer : layers_of(analysis, scene)) {
+            const std::string name(name_of(layer));
+            entry["components"].push_back(name);
+            entry["curves"][name] = curves_of(analysis, scene, layer);
+            entry["spectra"][name] = spectra_of(analysis, scene, layer);
+            entry["noise_floor"][name] = std::sqrt(analysis.noise_floor(scene, layer));
         }
         scenes[scene] = std::move(entry);
     }

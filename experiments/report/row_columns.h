@@ -1,27 +1,30 @@
 #pragma once
-// The numbers of a row. Each is one entry, which gives its column of table.csv and its columns in the sections that
-// table.md and the report show.
+// The numbers of a row. Each is one entry, which gives its column of table.csv, its columns in the sections that
+// table.md and the report show, and its line in "How to read this page".
 
 #include "experiments/analysis/table_row.h"
 #include "experiments/text/declared.h"
 
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace gib {
 
-/// The sections with a row for each method and component; bits of RowColumn::sections.
+/// The sections with a row for each method and layer; bits of RowColumn::sections.
 enum RowSection : unsigned { in_prices = 1, in_laws = 2, in_errors = 4, in_outliers = 8, in_noise = 16 };
 
-using RowText = std::function<std::string(const TableRow&)>;
+/// What a section shows of a row.
+using Shown = std::variant<std::string, Field>;
 
 /// A column of table.csv; without a name, only sections show it.
 struct RowColumn : Declared {
-    RowText csv_text;           ///< empty where it is undefined or was never reached
-    unsigned sections = 0;      ///< the sections that show it
-    std::string heading = "";   ///< its column there
-    RowText section_text = {};  ///< its field there
+    std::function<std::string(const TableRow&)> csv;   ///< empty where it is undefined or was never reached
+    unsigned sections = 0;                             ///< the sections that show it
+    std::string heading = "";                          ///< its column there
+    std::function<Shown(const TableRow&)> shown = {};  ///< its field there
+    bool of_words = false;                             ///< whether its field holds words, which stand on the left
 };
 
 /// All entries in the order of table.csv. This order does not change; new ones are added at the end.

@@ -2,10 +2,10 @@
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
-#include "experiments/analysis/price.h"
+#include "experiments/report/answers.h"
+#include "experiments/report/error_words.h"
+#include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
-#include "experiments/report/price_text.h"
-#include "experiments/report/row_columns.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>
@@ -18,8 +18,14 @@ namespace gib {
 
 namespace {
 
-std::string error_text(double relative_rmse) {
-    return relative_rmse > 0 ? percent_text(relative_rmse) : "below the reference's";
+using Column = Section::Column;
+using Row = Section::Row;
+
+Column words(const char* heading) { return {heading, true}; }
+Entry number(double value) { return {measured(value)}; }
+Entry method_entry(const std::string& method, const std::string& text) { return {text, Mark::none, method}; }
+std::string passes_text(std::uint32_t least, std::uint32_t most) {
+    return least == most ? std::to_string(most) : fmt::format("{} to {}", least, most);
 }
 
 /// The label of a method and, in brackets, that it is another renderer's.
@@ -36,32 +42,84 @@ std::string method_text(const Analysis& analysis, const TableRow& row) {
     return fmt::format("{} (stopped at spp = {} too)", row.method, fmt::join(stops->second, ", "));
 }
 
+Section warning_section(const Analysis& analysis) {
+    Section section{"Warnings", "", {}, {}, Section::Kind::warnings};
+    for (const Warning& w : analysis.warnings)
+        section.rows.push_back({.scene = w.scene, .sentence = sentence_of(w), .is_warning = true});
+    return section;
+}
+
 Section look_section(const Analysis& analysis) {
-    Section section{look_title,
+    Section section{"Each method at equal time",
                     "Relative RMSE, mean over the seeds, after the time of the fastest method; FLIP of seed 1's last "
                     "image that was kept by then. Bias or noise: of the final images.",
-                    {"method", "seconds", "relative RMSE %", "FLIP of the image", "image", "bias or noise",
-                     "missing effects", "energy differs in"},
-                    {}};
+                    {words("method"),
+                     {"seconds"},
+                     {"relative RMSE %"},
+                     words("beside the best"),
+                     {"FLIP of the image"},
+                     words("image"),
+                     words("bias or noise"),
+                     words("missing effects"),
+                     words("energy differs in")},
+                    {},
+                    Section::Kind::looks};
     for (const auto& scene : scenes_of(analysis))
-        for (const LookWords& words : look_words(analysis, scene))
-            section.rows.push_back({scene,
-                                    {marked(analysis, words.look.method), short_number(words.look.seconds), words.error,
-                                     words.flip, words.shown, words.kind, words.missing, words.energy}});
+        for (const LookWords& w : look_words(analysis, scene))
+            section.rows.push_back({.scene = scene,
+                                    .entries = {{marked(analysis, w.look.method)},
+                                                number(w.look.seconds),
+                                                {w.error},
+                                                {w.beside},
+                                                {w.flip},
+                                                {w.shown},
+                                                {w.kind},
+                                                {w.missing},
+                                                {w.energy}}});
     return section;
+}
+
+/// Marks the shortest time to each error among the rows of one layer and scene, and those that cannot be told from it.
+void mark_times(const Analysis& analysis, Section& section, std::size_t column, std::size_t target) {
+    for (Row& row : section.rows) {
+        Entry& entry = row.entries[column];
+        const Field& field = std::get<Field>(entry.shown);
+        if (!field.is_measured()) entry.mark = Mark::grey;
+        else if (row.layer)
+            for (const Contender& c : Contest(analysis, row.scene, *row.layer).to_error(target))
+                if (c.method == row.entries[0].method)
+                    entry.mark = c.standing == Standing::best  ? Mark::best
+                                 : c.standing == Standing::tie ? Mark::tie
+                                                               : Mark::none;
+    }
+}
+
+bool is_empty(const Entry& entry) {
+    if (const auto* text = std::get_if<std::string>(&entry.shown)) return text->empty();
+    return std::get<Field>(entry.shown).state == State::none;
 }
 
 /// The section with those columns of row_columns() that belong to it; rows without any text are left out.
 Section row_section(const Analysis& analysis, RowSection which, std::string title, std::string sentence) {
-    Section section{std::move(title), std::move(sentence), {"method"}, {}};
+    Section section{std::move(title), std::move(sentence), {words("method")}};
+    if (which == in_noise) section.kind = Section::Kind::noise;
     for (const RowColumn& column : row_columns())
-        if (column.sections & which) section.columns.push_back(column.heading);
+        if (column.sections & which) section.columns.push_back({column.heading, column.of_words});
     for (const TableRow& row : analysis.rows) {
-        std::vector<std::string> fields = {method_text(analysis, row)};
+        std::vector<Entry> entries = {method_entry(row.method, method_text(analysis, row))};
         for (const RowColumn& column : row_columns())
-            if (column.sections & which) fields.push_back(column.section_text(row));
-        if (std::any_of(fields.begin() + 1, fields.end(), [](const auto& field) { return !field.empty(); }))
-            section.rows.push_back({row.scene, std::move(fields), row.component});
+            if (column.sections & which) entries.push_back({column.shown(row)});
+        if (!std::all_of(entries.begin() + 1, entries.end(), is_empty))
+            section.rows.push_back({.scene = row.scene, .entries = std::move(entries), .layer = row.layer});
+    }
+    for (std::size_t column = 1; column < section.columns.size(); ++column) {
+        for (std::size_t t = 0; t < target_names.size(); ++t)
+            if (section.columns[column].heading == fmt::format("seconds to {} %", target_names[t]))
+                mark_times(analysis, section, column, t);
+        for (Row& row : section.rows)
+            if (const auto* f = std::get_if<Field>(&row.entries[column].shown);
+                f && f->unit == Unit::share && f->is_measured() && which == in_noise)
+                row.entries[column].shares = {f->value, 1 - f->value};
     }
     return section;
 }
@@ -70,7 +128,8 @@ Section row_section(const Analysis& analysis, RowSection which, std::string titl
 bool is_black(const Footing& footing) { return footing.energy.value == 0 && footing.excess.value == 0; }
 
 Section footing_section(const Analysis& analysis) {
-    Section section{"Equal footing", "Mean energy against the reference's, with 99 % intervals.", {}, {}};
+    Section section{
+        "Equal footing", "Mean energy against the reference's, with 99 % intervals.", {}, {}, Section::Kind::words};
     const bool one_seed = analysis.index.seeds < 2;
     if (one_seed) section.sentence += " One seed has no interval: run with two seeds or more.";
     const auto warnings = footing_warnings(analysis);
@@ -81,21 +140,27 @@ Section footing_section(const Analysis& analysis) {
         const int agree = counts[FootingVerdict::agrees], differ = counts[FootingVerdict::differs];
         const int unresolved = counts[FootingVerdict::unresolved], all = agree + differ + unresolved;
         if (all == 0) continue;
-        section.rows.push_back({scene,
-                                {fmt::format("of {} components and totals that are not black {} agree within {:.0f} %, "
-                                             "{} differ, {} cannot be told.",
-                                             all, agree, 100 * footing_tolerance, differ, unresolved)}});
-        for (const auto& [of, method, differs, text] : warnings)
-            if (of == scene && (differs || !one_seed))
-                section.rows.push_back({scene, {fmt::format("{}{}.", differs ? "Warning: " : "", text)}});
+        section.rows.push_back(
+            {.scene = scene,
+             .sentence =
+                 fmt::format("of {} components and totals that are not black {} agree within {:.0f} %, {} differ, "
+                             "{} cannot be told.",
+                             all, agree, 100 * footing_tolerance, differ, unresolved)});
+        for (const Warning& w : warnings) {
+            const bool differs = w.kind == Warning::Kind::energy_differs;
+            if (w.scene == scene && (differs || !one_seed))
+                section.rows.push_back(
+                    {.scene = scene, .sentence = differs ? sentence_of(w) : w.sentence + ".", .is_warning = differs});
+        }
     }
     return section;
 }
 
 Section answers_section(const Analysis& analysis) {
-    Section section{"Which method is cheapest, and why", "", {}, {}};
-    for (const PriceAnswer& answer : price_answers(analysis))
-        section.rows.push_back({answer.scene, {answer.text}});
+    Section section{"Which method is cheapest, and why", "", {}, {}, Section::Kind::words};
+    for (const auto& scene : scenes_of(analysis))
+        for (const std::string& answer : price_answers(analysis, scene))
+            section.rows.push_back({.scene = scene, .sentence = answer});
     return section;
 }
 
@@ -103,28 +168,62 @@ Section crossover_section(const Analysis& analysis) {
     Section section{
         "When the best method changes",
         "From these seconds on the method is closer to the reference than all others, by 5 % at least before "
-        "the next change; 95 % intervals over the seeds.",
-        {"method", "from second", "relative RMSE % there", "before"},
-        {}};
-    for (const auto& [scene, method, before, seconds, interval, error] : crossovers(analysis))
-        section.rows.push_back({scene,
-                                {method, with_interval({seconds, interval}), error_text(error),
-                                 before.empty() ? "no image yet" : before}});
+        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change.",
+        {words("method"), {"from second"}, {"relative RMSE % there"}, words("before"), words("beside others")}};
+    for (const Crossover& c : crossovers(analysis)) {
+        if (c.ends)
+            section.rows.push_back({.scene = c.scene,
+                                    .entries = {{std::string("not known")},
+                                                number(c.seconds),
+                                                {Field{}},
+                                                {c.before},
+                                                {fmt::format("`{}` was not run longer", c.before)}}});
+        else
+            section.rows.push_back({.scene = c.scene,
+                                    .entries = {method_entry(c.method, c.method),
+                                                {measured({c.seconds, c.interval})},
+                                                {c.relative_rmse},
+                                                {c.before.empty() ? std::string("no image yet") : c.before},
+                                                {doubts(c.ties, c.open, c.one_seed)}}});
+    }
     return section;
+}
+
+/// The other methods' errors as multiples of the best one's.
+std::string others_text(const EqualTimeRow& row) {
+    std::string text;
+    for (const Contender& c : row.ranking) {
+        if (&c == &row.ranking.front()) continue;
+        const std::string number = c.standing == Standing::no_image
+                                       ? line_of(Field{State::no_image, c.first_image})
+                                       : short_number(std::sqrt(c.mean() / row.ranking.front().mean())) +
+                                             (c.standing == Standing::tie          ? " (tie)"
+                                              : c.standing == Standing::incomplete ? " (not all light)"
+                                                                                   : "");
+        text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", c.method, number);
+    }
+    return text;
 }
 
 Section equal_time_section(const Analysis& analysis) {
     Section section{"At equal time",
                     "After the whole time of the fastest method; the reference's own error is subtracted.",
-                    {"component", "seconds", "best", "relative RMSE %", "times as much"},
-                    {}};
-    for (const auto& [scene, component, seconds, entries] : equal_time_rows(analysis)) {
-        const auto& [best, error] = entries.front();
-        std::string others;
-        for (std::size_t i = 1; i < entries.size(); ++i)
-            others += fmt::format("{}{}: {}", i > 1 ? "; " : "", entries[i].method,
-                                  short_number(entries[i].relative_rmse / error));
-        section.rows.push_back({scene, {component, short_number(seconds), best, percent_text(error), others}});
+                    {words("component"),
+                     {"seconds"},
+                     words("best"),
+                     {"relative RMSE %"},
+                     words("beside others"),
+                     words("times as much")}};
+    for (const EqualTimeRow& row : equal_time_rows(analysis)) {
+        const Contender* best = best_of(row.ranking);
+        if (!best || !(best->mean() > row.noise_floor)) continue;
+        section.rows.push_back({.scene = row.scene,
+                                .entries = {{std::string(name_of(row.layer))},
+                                            number(row.seconds),
+                                            method_entry(best->method, best->method),
+                                            {measured(best->mean(), Unit::root)},
+                                            {doubts(row.ranking)},
+                                            {others_text(row)}}});
     }
     return section;
 }
@@ -133,10 +232,14 @@ Section frontier_section(const Analysis& analysis) {
     Section section{"Pareto frontier",
                     "The checkpoints that no other beats in both time and error; the reference's own error is "
                     "subtracted.",
-                    {"seconds", "relative RMSE %", "passes", "method"},
-                    {}};
-    for (const auto& [scene, method, passes, seconds, error] : pareto_frontier(analysis))
-        section.rows.push_back({scene, {short_number(seconds), error_text(error), std::to_string(passes), method}});
+                    {{"seconds"}, {"relative RMSE %"}, {"passes"}, words("method"), words("beside others")}};
+    for (const FrontierPoint& p : pareto_frontier(analysis))
+        section.rows.push_back({.scene = p.scene,
+                                .entries = {number(p.seconds),
+                                            {p.relative_rmse},
+                                            {passes_text(p.least_passes, p.most_passes)},
+                                            method_entry(p.method, p.method),
+                                            {doubts(p.ties, {}, p.one_seed)}}});
     return section;
 }
 
@@ -145,34 +248,49 @@ Section bias_law_section(const Analysis& analysis) {
         "How bias falls",
         "bias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose bias is below what "
         "the reference resolves are left out.",
-        {"component", "method", "parameter", "values fitted", "p"},
-        {}};
-    for (const auto& [scene, component, method, parameter, values, exponent, count] : bias_laws(analysis))
-        section.rows.push_back(
-            {scene,
-             {component, method, parameter, fmt::format("{} of {}", count, values.size()), with_interval(exponent)}});
+        {words("component"), words("method"), words("parameter"), {"values fitted"}, {"p"}}};
+    for (const BiasLaw& law : bias_laws(analysis))
+        section.rows.push_back({.scene = law.scene,
+                                .entries = {{std::string(name_of(law.layer))},
+                                            {law.method},
+                                            {law.parameter},
+                                            {fmt::format("{} of {}", law.resolved_count, law.values.size())},
+                                            {measured(law.exponent)}}});
     return section;
 }
 
 /// A column for each stage of any cell.
 Section stages_section(const Analysis& analysis) {
-    Section section{"Where the time goes", "Seconds of each stage, means over the seeds.", {"method"}, {}};
+    Section section{"Where the time goes",
+                    "Seconds of each stage, means over the seeds.",
+                    {words("method")},
+                    {},
+                    Section::Kind::stages};
+    std::map<std::string, std::size_t> columns;
     for (const Cell& cell : analysis.cells)
         for (const auto& stage : cell.stages)
-            if (std::find(section.columns.begin(), section.columns.end(), stage.name) == section.columns.end())
-                section.columns.push_back(stage.name);
+            if (columns.try_emplace(stage.name, section.columns.size()).second) section.columns.push_back({stage.name});
+    std::map<std::string, double> longest;  // by scene
     for (const TableRow& row : analysis.rows) {
-        if (row.component != total_name) continue;
-        std::map<std::string, double> mean;
+        if (row.layer != Layer::total) continue;
+        std::vector<double> mean(section.columns.size());
+        double sum = 0;
         for (const Cell& cell : analysis.cells)
-            if (cell.scene == row.scene && cell.method == row.method)
-                for (const auto& stage : cell.stages)
-                    mean[stage.name] += stage.seconds / std::max(row.seeds, 1);
-        std::vector<std::string> fields = {row.method};
-        for (std::size_t i = 1; i < section.columns.size(); ++i)
-            fields.push_back(mean[section.columns[i]] > 0 ? short_number(mean[section.columns[i]]) : "");
-        section.rows.push_back({row.scene, std::move(fields)});
+            for (const auto& stage : cell.stages)
+                if (cell.scene == row.scene && cell.method == row.method) {
+                    mean[columns.at(stage.name)] += stage.seconds / std::max(row.seeds, 1);
+                    sum += stage.seconds / std::max(row.seeds, 1);
+                }
+        longest[row.scene] = std::max(longest[row.scene], sum);
+        Row& stages = section.rows.emplace_back(Row{.scene = row.scene});
+        stages.entries = {method_entry(row.method, row.method)};
+        stages.entries.front().shares.assign(mean.begin() + 1, mean.end());
+        for (std::size_t i = 1; i < mean.size(); ++i)
+            stages.entries.push_back({mean[i] > 0 ? measured(mean[i]) : Field{}});
     }
+    for (Row& row : section.rows)
+        for (double& share : row.entries.front().shares)
+            share /= std::max(longest[row.scene], 1e-30);
     return section;
 }
 
@@ -180,20 +298,22 @@ Section stages_section(const Analysis& analysis) {
 
 std::vector<Section> sections(const Analysis& analysis) {
     std::vector<Section> all = {
+        warning_section(analysis),
         look_section(analysis),
         answers_section(analysis),
         footing_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
             "Seconds until the relative RMSE, the reference's own error subtracted, is at the percentage above; "
-            "95 % intervals over the seeds."),
+            "95 % intervals over the seeds. Measured times are means over the seeds, each of which has reached it."),
         crossover_section(analysis),
         row_section(analysis, in_laws, "What more accuracy costs",
                     "The law of the squared error against time t is floor^2 + c (t - preparation)^-slope; what it says "
                     "beyond the measured span is marked as extrapolated. Halving: the factor by which time grows."),
-        row_section(analysis, in_errors, "Errors",
-                    "Errors of the final images, with 95 % intervals over the seeds. An estimate of bias^2 below 0 is "
-                    "shown as 0."),
+        row_section(
+            analysis, in_errors, "Errors",
+            "Errors of the final images, with 95 % intervals over the seeds. `below`: the interval reaches 0, and "
+            "this is its upper end."),
         row_section(analysis, in_outliers, "Errors of few pixels",
                     "The worst 0.1 % of the pixels hold most of the squared error of these images. The table has the "
                     "error without them and the median over the pixels, by the plain formulas."),
@@ -208,6 +328,11 @@ std::vector<Section> sections(const Analysis& analysis) {
     };
     std::erase_if(all, [](const Section& section) { return section.rows.empty(); });
     return all;
+}
+
+std::string line_of(const Shown& shown) {
+    const auto* field = std::get_if<Field>(&shown);
+    return field ? line_of(*field) : std::get<std::string>(shown);
 }
 
 }  // namespace gib

@@ -3,30 +3,50 @@
 // backquotes.
 
 #include "experiments/analysis/analysis.h"
+#include "experiments/report/row_columns.h"
 
 #include <string>
 #include <vector>
 
 namespace gib {
 
+/// How a field stands beside the others of its column.
+enum class Mark { none, best, tie, grey };
+
+/// A field of a table.
+struct Entry {
+    Shown shown;
+    Mark mark = Mark::none;
+    std::string method = "";          ///< the label whose colour it has
+    std::vector<double> shares = {};  ///< drawn as a bar beside it
+};
+
 struct Section {
+    enum class Kind { warnings, words, table, looks, noise, stages };
+    struct Column {
+        std::string heading;
+        bool of_words = false;  ///< words stand on the left
+    };
     struct Row {
         std::string scene;
-        std::vector<std::string> fields;  ///< one for each column, such as "12.3 (11.2 to 13.5)"
-        std::string component = "";       ///< empty: of none; table.md has only the rows of `total` and of none
+        std::vector<Entry> entries = {};  ///< one for each column
+        std::optional<Layer> layer = {};  ///< empty: of none; table.md has only the rows of the total and of none
+        std::string sentence = "";        ///< of a section without columns
+        bool is_warning = false;
     };
 
     std::string title, sentence;
-    std::vector<std::string> columns;  ///< none: each row is one sentence, its only field
-    std::vector<Row> rows;
+    std::vector<Column> columns;
+    std::vector<Row> rows = {};
+    Kind kind = Kind::table;
 };
 
-/// The title of the section that shows each method at equal time; the report has images in its place.
-inline constexpr const char* look_title = "Each method at equal time";
-
-/// The sections in their order: a look at each method at equal time, words, tables. Those without rows are left out.
-/// table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in `spp`
-/// alone have to be merged before (same_method.h).
+/// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are left
+/// out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in
+/// `spp` alone have to be merged before (same_method.h).
 std::vector<Section> sections(const Analysis& analysis);
+
+/// "12.3 (11.0 to 14.1)": a field as table.md prints it.
+std::string line_of(const Shown& shown);
 
 }  // namespace gib

@@ -73,7 +73,7 @@ CsvTable curves_table(const Analysis& analysis) {
     CsvTable table = table_of("curves.csv");
     for (const Cell& cell : analysis.cells)
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
-            const auto total = errors.find(total_name);
+            const auto total = errors.find(Layer::total);
             const double nan = std::numeric_limits<double>::quiet_NaN();
             const ImageError error =
                 total != errors.end()
@@ -96,7 +96,7 @@ CsvTable error_table(const Analysis& analysis) {
     for (const TableRow& row : analysis.rows) {
         std::vector<std::string> fields;
         for (const RowColumn& column : row_columns())
-            if (!column.name.empty()) fields.push_back(column.csv_text(row));
+            if (!column.name.empty()) fields.push_back(column.csv(row));
         table.add(std::move(fields));
     }
     return table;
@@ -107,8 +107,8 @@ CsvTable spectra_table(const Analysis& analysis) {
     for (const auto& row : analysis.rows) {
         const auto add = [&](const char* kind, const std::vector<SpectrumPoint>& curve) {
             for (const auto& point : curve)
-                table.add(
-                    {row.scene, row.method, kind, csv_number(point.frequency), csv_number(point.power), row.component});
+                table.add({row.scene, row.method, kind, csv_number(point.frequency), csv_number(point.power),
+                           std::string(name_of(row.layer))});
         };
         if (row.noise) add("noise", row.noise->curve);
         add("bias", row.bias);

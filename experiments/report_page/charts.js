@@ -91,7 +91,7 @@ report.charts = (() => {
     for (const {method, points, stops} of shown) {
       if (hidden.has(method)) continue;
       const at = (offset) => points.filter((p) => p[column + offset] !== null)
-        .map((p) => ({x: p[1], y: factor * p[column + offset], passes: p[0],
+        .map((p) => ({x: p[1], y: factor * p[column + offset], passes: p[0], least: p[8],
           low: factor * p[column + 1], high: factor * p[column + 2]}));
       times = times.concat(points.map((p) => p[1]));
       const isStop = (item) => stops.includes(item.raw?.passes);
@@ -122,11 +122,11 @@ report.charts = (() => {
   }
 
   function curveTip(item) {
-    const {x, y, low, high, passes} = item.raw;
+    const {x, y, low, high, passes, least} = item.raw;
     if (passes === undefined) return `${item.dataset.label}: ${number(y, 3)}`;
     const interval = Number.isFinite(low) && low > 0 ? ` (${number(low, 3)} to ${number(high, 3)})` : "";
     return [item.dataset.label, `${number(y, 3)}${interval} after ${number(x, 3)} s`,
-      `${passes} pass${passes === 1 ? "" : "es"}${item.dataset.stops?.includes(passes) ? ", a stop" : ""}`];
+      `${least < passes ? `${least} to ` : ""}${passes} pass${passes === 1 ? "" : "es"}${item.dataset.stops?.includes(passes) ? ", a stop" : ""}`];
   }
 
   const spectrumTip = (item) => [item.dataset.label,

@@ -9,51 +9,7 @@
     for (const row of section.querySelectorAll("tr[data-component]")) row.hidden = row.dataset.component !== component;
   }
 
-  const text = (cell) => cell.firstChild?.textContent.trim() ?? "";
   const swatch = (color) => element("span", {className: "swatch", style: `background: ${color}`});
-  const bar = (parts) => element("span", {className: "shares"},
-    ...parts.map(({share, color, title}) => element("span", {title, style: `width: ${100 * share}%; background: ${color}`})));
-
-  /** Gives the labels of methods the colours that they have in the charts. */
-  function colourMethods() {
-    for (const cell of document.querySelectorAll("tbody th, td.text, .tile .name")) {
-      const method = data.methods.indexOf(text(cell));
-      if (method >= 0) cell.prepend(swatch(`var(--method-${method % 10})`));
-    }
-  }
-
-  /** Marks the shortest measured time to each error, among the rows of one component. */
-  function markTimes(section) {
-    for (const head of section.querySelectorAll("thead th")) {
-      if (!head.textContent.startsWith("seconds to")) continue;
-      const shortest = new Map();
-      for (const row of head.closest("table").tBodies[0].rows) {
-        const cell = row.cells[head.cellIndex], seconds = Number(text(cell) || NaN), {component} = row.dataset;
-        if (cell.textContent.includes("extrapolated") || Number.isNaN(seconds)) cell.classList.add("never");
-        else if (!(shortest.get(component)?.seconds <= seconds)) shortest.set(component, {cell, seconds});
-      }
-      for (const {cell} of shortest.values()) cell.classList.add("best");
-    }
-  }
-
-  /** Draws bars beside the shares of bias^2 and for the seconds of each stage. */
-  function drawBars(section) {
-    for (const cell of section.querySelectorAll("td")) {
-      const share = /^(\d+) % bias$/.exec(text(cell))?.[1] / 100;
-      if (share >= 0) cell.prepend(bar([{share, color: "var(--bias)", title: "bias^2"},
-        {share: 1 - share, color: "var(--noise)", title: "variance"}]));
-    }
-    const table = [...section.querySelectorAll("summary")].find((s) => s.textContent === "Where the time goes")
-      ?.parentElement.querySelector("table");
-    if (!table) return;
-    const heads = [...table.tHead.rows[0].cells], rows = [...table.tBodies[0].rows];
-    const seconds = rows.map((row) => [...row.cells].map((cell) => Number(text(cell)) || 0));
-    const longest = Math.max(...seconds.map((list) => list.reduce((a, b) => a + b)));
-    const color = (i) => `var(--stage-${(i - 1) % 14})`;
-    heads.forEach((head, i) => i > 0 && head.prepend(swatch(color(i))));
-    rows.forEach((row, r) => row.cells[0].append(bar(seconds[r].map((s, i) =>
-      ({share: s / longest, color: color(i), title: heads[i].textContent})))));
-  }
 
   function methodToggles(state, curves, redraw) {
     const methods = [...new Set(curves.map((curve) => curve.method))];
@@ -76,16 +32,28 @@
     return section.panel;
   }
 
+  /** Strips are drawn in turn, those out of sight too: a printer does not scroll. */
+  let drawing = Promise.resolve();
   function setUpStrip(section) {
-    const strip = new report.strip.Strip(section, section.dataset.scene, (index, quantity, seconds) => {
+    section.strip = new report.strip.Strip(section, section.dataset.scene, (index, quantity, seconds) => {
       panelOf(section).show(index, quantity, seconds);
     });
-    section.strip = strip;
-    new IntersectionObserver((seen, observer) => {
-      if (!seen.some((s) => s.isIntersecting)) return;
-      observer.disconnect();
-      strip.draw();
-    }, {rootMargin: "400px"}).observe(section.querySelector(".strip"));
+    drawing = drawing.then(() => section.strip.draw());
+  }
+
+  /** Opens all that is folded while the page is printed, and fits the charts to the paper. */
+  function printWhole() {
+    let opened = [];
+    const charts = () => Object.values(Chart.instances).forEach((chart) => chart.resize());
+    addEventListener("beforeprint", () => {
+      opened = [...document.querySelectorAll("details:not([open])")];
+      for (const details of opened) details.open = true;
+      charts();
+    });
+    addEventListener("afterprint", () => {
+      for (const details of opened) details.open = false;
+      charts();
+    });
   }
 
   function setUpScene(section) {
@@ -121,10 +89,6 @@
   }
 
   document.documentElement.classList.add("scripted");
-  colourMethods();
-  for (const section of document.querySelectorAll("section.scene")) {
-    markTimes(section);
-    drawBars(section);
-    setUpScene(section);
-  }
+  printWhole();
+  for (const section of document.querySelectorAll("section.scene")) setUpScene(section);
 })();

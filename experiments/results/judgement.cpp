@@ -79,14 +79,14 @@ const Denominators& Judgement::denominators(double epsilon) const {
     return denominators_.emplace(empty_ ? reference_.total : total(), epsilon);
 }
 
-std::map<std::string, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum,
-                                                    double epsilon) const {
-    std::map<std::string, ImageError> errors;
+std::map<Layer, ImageError> Judgement::errors(const ComponentImages& image, const Image& sum, double epsilon) const {
+    std::map<Layer, ImageError> errors;
     const Denominators& with = denominators(epsilon);
     for (const auto& [name, layer] : layers()) {
         const auto c = component_named(name);
         const NoisyTruth& truth = truths_.try_emplace(name, *layer, with).first->second;
-        if (!c || image[*c]) errors[name] = image_error(c ? *image[*c] : sum, *layer, with, truth);
+        if (!c || image[*c])
+            errors[c ? layer_of(*c) : Layer::total] = image_error(c ? *image[*c] : sum, *layer, with, truth);
     }
     return errors;
 }

@@ -43,17 +43,17 @@ public:
     }
     /// The denominators of the relative errors of all layers.
     const Denominators& denominators(double epsilon) const;
-    /// The errors, by name, of the total, unless it is empty, and of each judged component that both the image and the
+    /// The errors of the total, unless it is empty, and of each judged component that both the image and the
     /// reference have.
-    std::map<std::string, ImageError> errors(const ComponentImages& image, double epsilon) const {
+    std::map<Layer, ImageError> errors(const ComponentImages& image, double epsilon) const {
         return errors(image, total_of(image), epsilon);
     }
-    std::map<std::string, ImageError> errors(const LayeredImage& file, double epsilon) const {
+    std::map<Layer, ImageError> errors(const LayeredImage& file, double epsilon) const {
         return errors(components_in(file), total_of(file), epsilon);
     }
 
 private:
-    std::map<std::string, ImageError> errors(const ComponentImages& image, const Image& sum, double epsilon) const;
+    std::map<Layer, ImageError> errors(const ComponentImages& image, const Image& sum, double epsilon) const;
 
     const Reference& reference_;
     std::optional<ReferenceLayer> partial_total_;

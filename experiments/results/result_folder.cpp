@@ -26,6 +26,24 @@ static auto json_fields(RecordOf<ImageError> auto& e) {
                       JsonField{"mse_corrected", e.mse_corrected}, JsonField{"rel_mse_corrected", e.rel_mse_corrected});
 }
 
+}  // namespace gib
+
+/// An object with the names of the layers.
+template <>
+struct nlohmann::adl_serializer<std::map<gib::Layer, gib::ImageError>, void> {
+    static void to_json(json& j, const std::map<gib::Layer, gib::ImageError>& errors) {
+        j = json::object();
+        for (const auto& [layer, error] : errors)
+            j[std::string(gib::name_of(layer))] = error;
+    }
+    static void from_json(const json& j, std::map<gib::Layer, gib::ImageError>& errors) {
+        for (const auto& [name, error] : j.items())
+            if (const auto layer = gib::layer_named(name)) errors[*layer] = error.get<gib::ImageError>();
+    }
+};
+
+namespace gib {
+
 static auto json_fields(RecordOf<CellCheckpoint> auto& c) {
     return std::tuple_cat(json_fields(c.checkpoint), std::tuple(JsonField{"errors", c.errors}));
 }
@@ -168,6 +186,8 @@ ResultIndex ResultFolder::read_index() const {
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
     json record = cell;
     record["cpu"] = cell.cpu;
+    record["processor_seconds"] = cell.processor_seconds;
+    record["waiting_seconds"] = cell.waiting_seconds;
     record["digest"] = json_digest(record);
     write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
@@ -188,6 +208,8 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         if (j.at("key") != key) return std::nullopt;
         auto cell = j.get<Cell>();
         cell.cpu = j.value("cpu", "");
+        cell.processor_seconds = j.value("processor_seconds", 0.0);
+        cell.waiting_seconds = j.value("waiting_seconds", 0.0);
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");
         const std::string image = cell_image(folder_name);
         if (!std::filesystem::exists(image)) return damaged(image, "the file is missing");

@@ -4,6 +4,7 @@
 
 #include "experiments/measuring/measure.h"
 #include "experiments/metrics/statistics.h"
+#include "experiments/results/layer.h"
 
 #include <cstdint>
 #include <map>
@@ -35,7 +36,7 @@ struct CellIdentity {
 
 struct CellCheckpoint {
     Checkpoint checkpoint;
-    std::map<std::string, ImageError> errors;  ///< by name, of `total` and each judged component
+    std::map<Layer, ImageError> errors;  ///< of the total and each judged component
 };
 
 /// One complete cell.
@@ -51,7 +52,10 @@ struct Cell {
     bool converged = false;
     std::vector<CellCheckpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;
-    std::string cpu = {};  ///< name of the processor that measured it; empty in records of older versions
+    // Records of older versions do not have these.
+    std::string cpu = {};          ///< name of the processor that measured it
+    double processor_seconds = 0;  ///< Measurement::processor_seconds
+    double waiting_seconds = 0;    ///< Measurement::waiting_seconds
 
     const Checkpoint& last() const { return checkpoints.back().checkpoint; }
 };

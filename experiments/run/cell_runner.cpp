@@ -140,6 +140,8 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
     record.seed = cell.identity.seed;
     record.key = cell.identity.key();
     record.build = setup_.build;
+    record.processor_seconds = measured.processor_seconds;
+    record.waiting_seconds = measured.waiting_seconds;
     record.load_seconds = timing.load_seconds;
     record.prepare_seconds = measured.prepare_seconds;
     record.converged = measured.converged;

@@ -17,7 +17,7 @@ namespace {
 std::vector<CurvePoint> curve_of(const Cell& cell, bool over_passes = false) {
     std::vector<CurvePoint> curve;
     for (const auto& [checkpoint, errors] : cell.checkpoints)
-        if (const auto total = errors.find(total_name); total != errors.end())
+        if (const auto total = errors.find(Layer::total); total != errors.end())
             curve.push_back({over_passes ? static_cast<double>(checkpoint.passes) : checkpoint.seconds,
                              std::sqrt(std::max(total->second.rel_mse_corrected, 0.0))});
     return curve;

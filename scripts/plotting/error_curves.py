@@ -65,15 +65,18 @@ def shown(metric, mean_square):
 
 
 def error_curve(rows, metric):
-    """The points at the passes that all seeds have; `rows`: those of one scene and method."""
+    """The points at the passes that all seeds have, and the final images: a time budget ends seeds after different numbers
+    of passes; `rows`: those of one scene and method."""
     column = METRICS[metric][0]
     rows = [row for row in rows if is_number(row[column]) and is_number(row["seconds"])]
     seeds = len(unique(row["seed"] for row in rows))
     points = []
-    for number in sorted(unique(row["pass"] for row in rows)):
-        at = select(rows, **{"pass": number})
-        if len(at) != seeds:
-            continue
+    groups = [select(rows, **{"pass": number}) for number in sorted(unique(row["pass"] for row in rows))]
+    groups = [at for at in groups if len(at) == seeds]
+    last = [max(select(rows, seed=seed), key=lambda row: row["pass"]) for seed in unique(row["seed"] for row in rows)]
+    if not groups or any(row not in groups[-1] for row in last):
+        groups.append(last)
+    for at in groups:
         seconds = math.fsum(row["seconds"] for row in at) / seeds
         band = mean_and_band([row[column] for row in at])
         if band[0] > 0 and seconds > 0:  # logarithmic axes have no place for other points

@@ -254,23 +254,27 @@ def draw_interval(axes, y, value, low, high, name, row, style):
 
 
 def split_figure(rows, labels, shared, width):
-    """Draws bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both."""
+    """Draws bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both. Unbiased methods have
+    no mark of bias^2, which is 0 by theory."""
+    def parts(row):
+        return ("variance",) if row["bias_state"] == "unbiased" else ("bias2", "variance")
+
     looks = {"bias2": {"color": COLORS[2], "marker": "s"},
              "variance": {"color": COLORS[1], "marker": "o", "fillstyle": "none"}}
     handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias$^2$"),
                (Line2D([], [], linewidth=1, markersize=4, **looks["variance"]), "variance")]
-    if any(row["bias2"] <= 0 for row in rows):
+    if any(row["bias2"] <= 0 for row in rows if "bias2" in parts(row)):
         limit = Line2D([], [], linestyle="none", marker="|", color=COLORS[2], markersize=5)
         handles.append((limit, "upper limit only"))
     sheet = row_sheet({row["method"]: labels[row["method"]] for row in rows}, handles, shared, width)
     axes = sheet.axes[0]
     axes.set_xscale("log")
-    values = [row[column] for row in rows for column in ("bias2", "bias2_hi", "variance", "variance_lo", "variance_hi")]
+    values = [row[part + end] for row in rows for part in parts(row) for end in ("", "_lo", "_hi")]
     axes.set_xlim(*log_limits([value for value in values if value is not None and value > 0] or [1]))
     log_ticks(axes.xaxis, *axes.get_xlim())
     for number, row in enumerate(rows):
-        for name, y in (("bias2", 0.45), ("variance", 0.68)):
-            draw_interval(axes, number + y, row[name], row[name + "_lo"], row[name + "_hi"], name, number, looks[name])
+        for name in parts(row):
+            draw_interval(axes, number + {"bias2": 0.45, "variance": 0.68}[name], row[name], row[name + "_lo"], row[name + "_hi"], name, number, looks[name])
     axes.grid(True, axis="x", color="#e8e8e8", linewidth=0.5)
     axes.set_axisbelow(True)
     axes.set_xlabel("part of the mean squared error [radiance$^2$]")

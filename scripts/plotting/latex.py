@@ -30,9 +30,24 @@ def optional(value):
     return number(value) if is_number(value) else NONE
 
 
-def clipped(value):
-    """0 for a negative number: bias^2 is an unbiased estimate, which may be negative. The CSV file keeps it."""
+def bias2(row):
+    """0 by theory; below the upper end of its interval where this reaches 0; else the estimate."""
+    value, low, high = row["bias2"], row["bias2_lo"], row["bias2_hi"]
+    if row["bias_state"] == "unbiased":
+        return "unbiased"
+    if is_number(low) and is_number(high) and low <= 0:
+        return rf"$<${number(high)}"
     return number(max(0.0, value)) if is_number(value) else NONE
+
+
+def time(row, column):
+    """The time to an error, or what is known of it."""
+    state, law = row[column + "_state"], row[column + "_law"]
+    if state in ("extrapolated", "at least") and is_number(law):
+        low, high = row[column + "_law_lo"], row[column + "_law_hi"]
+        interval = f", {number(low)}--{number(high)}" if is_number(low) and is_number(high) else ""
+        return f"{'at least ' if state == 'at least' else ''}{number(law)} (extrapolated{interval})"
+    return number(row[column]) if is_number(row[column]) else state or NONE
 
 
 def percent(rel_mse):
@@ -53,8 +68,8 @@ def relative_rmse(row):
 
 
 def table_row(row, label, with_missing):
-    cells = [rf"\texttt{{{escaped(label)}}}", optional(row["seconds"]), relative_rmse(row), clipped(row["bias2"]),
-             optional(row["variance"]), *(optional(row[column]) for column, _ in TARGETS)]
+    cells = [rf"\texttt{{{escaped(label)}}}", optional(row["seconds"]), relative_rmse(row), bias2(row),
+             optional(row["variance"]), *(time(row, column) for column, _ in TARGETS)]
     if with_missing:
         cells.append(escaped(row["effects_missing"].replace(";", ", ")))
     return "  " + " & ".join(cells) + r" \\"

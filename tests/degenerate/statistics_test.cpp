@@ -152,7 +152,6 @@ Analysis analysis_with(const RobustError& robust) {
     TableRow row;
     row.scene = "box";
     row.method = "path spp=1";
-    row.component = total_name;
     row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, {}};
     row.robust = robust;
     analysis.rows.push_back(row);

@@ -27,11 +27,27 @@ CURVES = "scene,method,seed,pass,seconds,mse_corrected,rel_mse,rel_mse_corrected
     f"{0.16 / number * (0.5 + 0.25 * seed)}\n"
     for m, method in enumerate(METHODS) for seed in (1, 2, 3) for number in (1, 2, 4, 16))
 TABLE_HEAD = ",".join(result_tables.TABLE) + "\n"
-TABLE = TABLE_HEAD + (
-    "box,path spp=4,total,16,0.01,0.0081,0.0121,0.0004,-2e-05,-4e-05,3e-05,0.00123,0.001,0.0015,3.456,,,\n"
-    "box,path spp=4,direct,16,0.0025,,,0.01,1e-06,5e-07,2e-06,0.0004,0.0003,0.0005,1.5,,,\n"
-    "box,photon_mapper photons=1e4 & 50%,total,32,0.01,0.0081,0.0121,0.0004,0.0002,0.0001,0.0004,"
-    "0.00012345,0.0001,0.0002,12.34,123.4,1234567,caustics;glossy_lobes\n")
+
+
+def table_line(**fields):
+    return ",".join(str(fields.get(column, "")) for column in result_tables.TABLE) + "\n"
+
+
+TOTAL = {"scene": "box", "component": "total", "rel_mse_corrected": 0.01, "rel_mse_corrected_lo": 0.0081,
+         "rel_mse_corrected_hi": 0.0121, "rel_mse_resolved": 0.0004}
+TABLE = TABLE_HEAD + table_line(
+    **TOTAL, method="path spp=4", seconds=16, bias2=-2e-05, bias2_lo=-4e-05, bias2_hi=3e-05, variance=0.00123,
+    variance_lo=0.001, variance_hi=0.0015, seconds_to_5pct=3.456, seconds_to_5pct_state="measured",
+    seconds_to_2pct_state="extrapolated", seconds_to_2pct_law=22, seconds_to_2pct_law_lo=20, seconds_to_2pct_law_hi=25,
+    seconds_to_1pct_state="at least", seconds_to_1pct_law=88) + table_line(
+    scene="box", method="path spp=4", component="direct", seconds=16, rel_mse_corrected=0.0025, rel_mse_resolved=0.01,
+    bias2=1e-06, bias2_lo=5e-07, bias2_hi=2e-06, variance=0.0004, variance_lo=0.0003, variance_hi=0.0005,
+    bias_state="unbiased", seconds_to_5pct=1.5, seconds_to_5pct_state="measured", seconds_to_2pct_state="not reached",
+    seconds_to_1pct_state="not resolved") + table_line(
+    **TOTAL, method="photon_mapper photons=1e4 & 50%", seconds=32, bias2=0.0002, bias2_lo=0.0001, bias2_hi=0.0004,
+    variance=0.00012345, variance_lo=0.0001, variance_hi=0.0002, seconds_to_5pct=12.34, seconds_to_5pct_state="measured",
+    seconds_to_2pct=1234567, seconds_to_2pct_state="measured", seconds_to_1pct_state="never",
+    effects_missing="caustics;glossy_lobes")
 SPECTRA = "scene,method,kind,frequency,power,component\n" + "".join(
     f"box,path spp=4,{kind},{frequency},{power},total\n" for kind, frequency, power in (
         ("noise", 0, 9), ("noise", 0.1, 0.5), ("noise", 0.3, 1), ("noise", 0.6, 2),
@@ -217,18 +233,21 @@ class PlotTest(unittest.TestCase):
         self.assertIn("no spectra figure", run.stderr)
         svg = Svg(os.path.join(out, "split-box-direct.svg"))
         self.assert_close([float(svg.root.get("width")[:-2])], [72 * 72.27 / 25.4])
-        self.assert_close([svg.axis(1, "x", True)(x) for x, _ in svg.marks("bias2-0")], [1e-6])
+        self.assert_close([svg.axis(1, "x", True)(x) for x, _ in svg.marks("variance-0")], [4e-4])
+        self.assertFalse([name for name in svg.groups if name.startswith("bias2")], "the method is unbiased")
         direct = content(out)["table-box-direct.tex"]
-        self.assertIn(b"1.50 & --- & ---", direct)
+        self.assertIn(b"1.50 & not reached & not resolved", direct)
+        self.assertIn(b"& unbiased &", direct)
         self.assertIn(b"& $<$10.00 &", direct, "its error is not resolved")
 
     def test_latex_has_the_numbers(self):
         lines = content(self.out)["table-box.tex"].decode().split("\n")
         rows = [line.strip() for line in lines if line.startswith(r"  \texttt")]
         self.assertEqual(rows, [
-            r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & 0 & 0.0012 & 3.46 & --- & --- &  \\",
+            r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & $<$$3.00\times10^{-5}$ & 0.0012 & 3.46 & "
+            r"22.0 (extrapolated, 20.0--25.0) & at least 88.0 (extrapolated) &  \\",
             r"\texttt{photon\_mapper photons=1e4 \& 50\%} & 32.0 & 10.00 (9.00--11.00) & $2.00\times10^{-4}$ & "
-            r"$1.23\times10^{-4}$ & 12.3 & 123 & $1.23\times10^{6}$ & caustics, glossy\_lobes \\"])
+            r"$1.23\times10^{-4}$ & 12.3 & $1.23\times10^{6}$ & never & caustics, glossy\_lobes \\"])
         columns = re.search(r"@\{\}(\w+)@\{\}", lines[1])[1]
         for line in lines:
             if line.endswith(r"\\"):
@@ -240,12 +259,12 @@ class PartsTest(unittest.TestCase):
         for degrees, t in ((1, 12.7062), (2, 4.3027), (3, 3.1824), (4, 2.7764), (9, 2.2622), (30, 2.0423)):
             self.assertAlmostEqual(error_curves.t_quantile(degrees), t, places=4)
 
-    def test_only_passes_of_all_seeds_make_points(self):
+    def test_passes_of_all_seeds_and_the_final_images_make_points(self):
         rows = [{"seed": seed, "pass": number, "seconds": number, "mse_corrected": 4.0}
                 for seed, number in (("1", 1.0), ("2", 1.0), ("1", 2.0))]
-        self.assertEqual([point.seconds for point in error_curves.error_curve(rows, "rmse")], [1.0])
-        self.assertEqual([point.error for point in error_curves.error_curve(rows, "rmse")], [2.0])
-        self.assertEqual([point.error for point in error_curves.error_curve(rows, "mse")], [4.0])
+        self.assertEqual([point.seconds for point in error_curves.error_curve(rows, "rmse")], [1.0, 1.5])
+        self.assertEqual([point.error for point in error_curves.error_curve(rows, "rmse")], [2.0, 2.0])
+        self.assertEqual([point.error for point in error_curves.error_curve(rows, "mse")], [4.0, 4.0])
 
     def test_one_seed_has_no_band(self):
         point, = error_curves.error_curve([{"seed": "1", "pass": 1.0, "seconds": 1.0, "mse_corrected": 4.0}], "mse")

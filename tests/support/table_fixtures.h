@@ -19,7 +19,7 @@ inline Cell cell_of(const std::string& method, std::uint64_t seed = 1) {
 
 /// An image of a cell with this relative squared error of `total`.
 inline CellCheckpoint checkpoint_of(std::uint32_t passes, double seconds, double rel_mse) {
-    return {{passes, seconds, {}, 0}, {{total_name, {0, 0, 0, 0, rel_mse}}}};
+    return {{passes, seconds, {}, 0}, {{Layer::total, {0, 0, 0, 0, rel_mse}}}};
 }
 
 /// A run whose relative squared error is floor + c / seconds, with images after first, 2 first, 4 first, ... up to `last`
@@ -34,12 +34,12 @@ inline Cell run_of(const std::string& method, double c, double first, double las
 }
 
 /// A row with a mean squared error of 1, of which `bias2` is bias.
-inline TableRow row_of(const std::string& method, const std::string& component = total_name,
-                       const std::optional<Estimate>& bias2 = {}, int seeds = 1) {
+inline TableRow row_of(const std::string& method, Layer layer = Layer::total, const std::optional<Estimate>& bias2 = {},
+                       int seeds = 1) {
     TableRow row;
     row.scene = "box";
     row.method = method;
-    row.component = component;
+    row.layer = layer;
     row.statistics = ReplicateStatistics{seeds, {1, {}}, {1, {}}, {1, {}}, 1, 1, bias2, {}, {}};
     return row;
 }

@@ -3,31 +3,23 @@
 // image whose reference does not resolve all of them.
 #include "experiments/analysis/comparison.h"
 
-#include "experiments/analysis/known_bias.h"
+#include "experiments/analysis/error_fields.h"
 #include "experiments/analysis/price.h"
 #include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
 #include "experiments/report/report.h"
 #include "experiments/report/row_columns.h"
+#include "experiments/report/sections.h"
 #include "experiments/results/judgement.h"
+#include "tests/support/analysis_fixtures.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/matchers.h"
-#include "tests/support/table_fixtures.h"
 
 #include <cmath>
 
 namespace gib::test::comparison_test {
 namespace {
-
-Analysis analysis_of(std::vector<Cell> cells) {
-    Analysis analysis;
-    analysis.cells = std::move(cells);
-    for (const Cell& cell : analysis.cells)
-        if (analysis.rows.empty() || analysis.rows.back().method != cell.method)
-            analysis.rows.push_back(row_of(cell.method, "total", {}, 5));
-    return analysis;
-}
 
 TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     const Analysis analysis = analysis_of(
@@ -35,12 +27,15 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     const auto rows = equal_time_rows(analysis);
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 16);
-    ASSERT_EQ(rows[0].entries.size(), 2u) << "no image after 16 s, no entry";
-    EXPECT_EQ(rows[0].entries[0].method, "photons");
-    EXPECT_NEAR(rows[0].entries[0].relative_rmse, std::sqrt(1e-4 / 16), 1e-12);
+    EXPECT_EQ(rows[0].ranking[0].method, "photons");
+    EXPECT_NEAR(rows[0].ranking[0].mean(), 1e-4 / 16, 1e-12);
     // The error lies between the checkpoints at 11.2 and 22.4 s.
-    EXPECT_NEAR(rows[0].entries[1].relative_rmse, std::sqrt(4e-4 / 16), 1e-12);
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | total | 16.0 | photons | 0.25 | path: 2.00 |"));
+    EXPECT_NEAR(rows[0].ranking[1].mean(), 4e-4 / 16, 1e-12);
+    EXPECT_EQ(rows[0].ranking[2].standing, Standing::no_image) << "none after 16 s";
+    EXPECT_THAT(
+        markdown_table(analysis),
+        HasSubstr("| box | total | 16.0 | photons | 0.25 | one seed does not tell | path: 2.00 (tie); slow_start: "
+                  "no image yet; first after 64.0 s |"));
 }
 
 // Its runs end after 8 and 12 s. After 10 s, their mean, the second one is not complete.
@@ -49,8 +44,8 @@ TEST(EqualTime, TheFastestHasTheErrorOfItsFinalImages) {
         analysis_of({run_of("fast", 4e-4, 1, 8), run_of("fast", 4e-4, 1.5, 12), run_of("slow", 1e-2, 1, 64)}));
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 10);
-    EXPECT_EQ(rows[0].entries.at(0).method, "fast");
-    EXPECT_NEAR(rows[0].entries.at(0).relative_rmse, std::sqrt((4e-4 / 8 + 4e-4 / 12) / 2), 1e-12);
+    EXPECT_EQ(rows[0].ranking.at(0).method, "fast");
+    EXPECT_NEAR(rows[0].ranking.at(0).mean(), (4e-4 / 8 + 4e-4 / 12) / 2, 1e-12);
 }
 
 // More time would not change the image of a method that has converged.
@@ -59,11 +54,11 @@ TEST(EqualTime, DoesNotEndWithAMethodThatHasConverged) {
         analysis_of({run_of("path", 4e-4, 0.7, 90), run_of("solution", 1e-2, 1, 4), run_of("photons", 1e-4, 1, 16)});
     analysis.rows.clear();
     analysis.cells[1].converged = true;
-    const auto methods = [&] { return cells_by_method(analysis, "box"); };
-    EXPECT_EQ(equal_time(methods()), 16);
+    const auto seconds = [&] { return Contest(analysis, "box").equal_time(); };
+    EXPECT_EQ(seconds(), 16);
     for (Cell& cell : analysis.cells)
         cell.converged = true;
-    EXPECT_NEAR(equal_time(methods()), 89.6, 1e-9) << "the longest, if each has";
+    EXPECT_NEAR(seconds(), 89.6, 1e-9) << "the longest, if each has";
 }
 
 // At 1, 2, 4 and 8 s the quick method has 4e-4 / t; the slow one starts at 4 s with 1e-4 / t.
@@ -75,12 +70,12 @@ TEST(ParetoFrontier, IsOfTheCheckpointsThatNoOtherBeats) {
     std::vector<Point> found;
     for (const auto& point : frontier) {
         found.emplace_back(point.method, point.seconds);
-        EXPECT_NEAR(point.relative_rmse, std::sqrt((point.method == "quick" ? 4e-4 : 1e-4) / point.seconds), 1e-12);
+        EXPECT_NEAR(point.relative_rmse.value, (point.method == "quick" ? 4e-4 : 1e-4) / point.seconds, 1e-12);
     }
     EXPECT_THAT(found, ElementsAre(Point("quick", 1), Point("quick", 2), Point("slow", 4), Point("slow", 8),
                                    Point("slow", 16)));
-    EXPECT_EQ(frontier[3].passes, 2u);
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | 8.00 | 0.35 | 2 | slow |"));
+    EXPECT_EQ(frontier[3].most_passes, 2u);
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | 8.00 | 0.35 | 2 | slow | one seed does not tell |"));
     analysis.cells.resize(1);
     EXPECT_TRUE(pareto_frontier(analysis).empty());
 }
@@ -89,7 +84,7 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     Analysis analysis;
     analysis.cells = {run_of("photons k=50 photons=1e4", 1, 1, 2)};
     const auto add = [&](const std::string& method, const Estimate& bias2) {
-        analysis.rows.push_back(row_of(method, "total", bias2, 5));
+        analysis.rows.push_back(row_of(method, Layer::total, bias2, 5));
     };
     const auto bias = [](double photons) {
         const double value = 3 * std::pow(photons, -1.5);
@@ -118,7 +113,7 @@ TEST(BiasLaws, SayNothingOfTwoPoints) {
     Analysis analysis;
     for (const std::string method : {"photons photons=1e4", "photons photons=1e5"}) {
         analysis.cells.push_back(run_of(method, 1, 1, 2));
-        analysis.rows.push_back(row_of(method, "total", Estimate{1, Interval{0.5, 2}}, 5));
+        analysis.rows.push_back(row_of(method, Layer::total, Estimate{1, Interval{0.5, 2}}, 5));
     }
     EXPECT_TRUE(bias_laws(analysis).empty());
     EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("How bias falls")));
@@ -179,49 +174,49 @@ TEST(Processors, UnlikeOnesOfAScene) {
     const std::vector<Cell> cells = {measured_on("A", "box", "path"),   measured_on("A", "box", "path"),
                                      measured_on("B", "box", "vcm"),    measured_on("B", "box", "path"),
                                      measured_on("A", "glass", "path"), measured_on("", "glass", "vcm")};
-    EXPECT_THAT(unlike_processors(cells, "box"), HasSubstr("; on 'A': path; on 'B': path, vcm"));
-    EXPECT_EQ(unlike_processors(cells, "glass"), "") << "a record of an older version has no name";
+    EXPECT_THAT(unlike_processors(cells, "box")->sentence, HasSubstr("; on 'A': path; on 'B': path, vcm"));
+    EXPECT_FALSE(unlike_processors(cells, "glass")) << "a record of an older version has no name";
 }
 
 TEST(Processors, OfARow) {
     std::vector<Cell> cells;
     for (const char* cpu : {"B", "A", "B", ""})
         cells.push_back(measured_on(cpu, "box", "path"));
-    EXPECT_EQ(processors_of({&cells[0], &cells[1], &cells[2], &cells[3]}), "A;B");
-    EXPECT_EQ(processors_of({&cells[3]}), "");
+    EXPECT_THAT(processors_of({&cells[0], &cells[1], &cells[2], &cells[3]}), ElementsAre("A", "B"));
+    EXPECT_THAT(processors_of({&cells[3]}), ::testing::IsEmpty());
 }
 
 TEST(KnownBias, IsThatOfMethodsThatDeclareIt) {
-    EXPECT_TRUE(is_unbiased(row_of("path spp=16"), ""));
-    EXPECT_TRUE(is_unbiased(row_of("bidirectional spp=16", "caustic"), ""));
-    EXPECT_FALSE(is_unbiased(row_of("photon_mapper photons=1e4"), ""));
-    EXPECT_FALSE(is_unbiased(row_of("radiosity", "indirect"), ""));
-    EXPECT_FALSE(is_unbiased(row_of("a_method_of_an_older_program"), ""));
+    EXPECT_TRUE(is_unbiased(row_of("path spp=16"), {}));
+    EXPECT_TRUE(is_unbiased(row_of("bidirectional spp=16", Layer::caustic), {}));
+    EXPECT_FALSE(is_unbiased(row_of("photon_mapper photons=1e4"), {}));
+    EXPECT_FALSE(is_unbiased(row_of("radiosity", Layer::indirect), {}));
+    EXPECT_FALSE(is_unbiased(row_of("a_method_of_an_older_program"), {}));
 }
 
 TEST(KnownBias, NeedsEveryPathOfTheComponent) {
-    EXPECT_FALSE(is_unbiased(row_of("path spp=16"), "caustic"));
-    EXPECT_FALSE(is_unbiased(row_of("path spp=16", "caustic"), "caustic;volume"));
-    EXPECT_TRUE(is_unbiased(row_of("path spp=16", "direct"), "caustic;volume"));
-    EXPECT_FALSE(is_unbiased(row_of("path max_depth=3 spp=16"), "")) << "shorter paths than the reference";
+    EXPECT_FALSE(is_unbiased(row_of("path spp=16"), {Component::caustic}));
+    EXPECT_FALSE(is_unbiased(row_of("path spp=16", Layer::caustic), {Component::caustic, Component::volume}));
+    EXPECT_TRUE(is_unbiased(row_of("path spp=16", Layer::direct), {Component::caustic, Component::volume}));
+    EXPECT_FALSE(is_unbiased(row_of("path max_depth=3 spp=16"), {})) << "shorter paths than the reference";
     TableRow row = row_of("path spp=16");
     row.nonfinite = 1;
-    EXPECT_FALSE(is_unbiased(row, "")) << "a dropped sample";
+    EXPECT_FALSE(is_unbiased(row, {})) << "a dropped sample";
     row = row_of("path spp=16");
-    row.effects_missing = "caustics";
-    EXPECT_FALSE(is_unbiased(row, ""));
+    row.effects_missing = {Effect::caustics};
+    EXPECT_FALSE(is_unbiased(row, {}));
 }
 
 // The columns of bias^2 keep the measured values; a column of its own says that theory knows better.
 TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
-    TableRow row = row_of("path spp=16", "total", Estimate{0.5, Interval{0.25, 0.75}});
+    TableRow row = row_of("path spp=16", Layer::total, Estimate{0.5, Interval{0.25, 0.75}});
     row.statistics->rel_bias2 = row.statistics->bias2;
     row.statistics->variance = Estimate{1, {}};
     row.law = PriceLaw{};
     row.law->floor.value = 1;
     const auto field = [&](const std::string& name) {
         for (const RowColumn& column : row_columns())
-            if (column.name == name) return column.csv_text(row);
+            if (column.name == name) return column.csv(row);
         return std::string("no such column");
     };
     EXPECT_EQ(field("bias_state"), "measured");
@@ -231,8 +226,8 @@ TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
     EXPECT_EQ(field("bias2"), "0.5");
     EXPECT_EQ(floor_bias2(row), 0);
     for (const RowColumn& column : row_columns())
-        if (column.heading == "share of bias^2") {
-            EXPECT_EQ(column.section_text(row), "none: unbiased");
+        if (column.heading == "share of bias^2 %") {
+            EXPECT_EQ(line_of(column.shown(row)), "0 (unbiased)");
         }
     row.statistics->bias2.reset();
     EXPECT_EQ(field("bias_state"), "") << "one seed";
@@ -262,19 +257,23 @@ ComponentImages image_of(float caustic, float volume) {
 
 TEST(SceneLight, IsUnknownUntilSomeImageHasAllPathsOfAComponent) {
     SceneLight light(reference_of(1));
-    EXPECT_EQ(light.holding_light("emission;direct;caustic;volume"), "direct;caustic;volume")
+    using C = Components;
+    const Component caustic = Component::caustic, volume = Component::volume, direct = Component::direct;
+    EXPECT_EQ(light.holding_light({Component::emission, direct, caustic, volume}), C({direct, caustic, volume}))
         << "the reference resolves that emission is black, and cannot tell of the unresolved ones";
-    light.add({image_of(0, 0)}, "caustic");
-    EXPECT_EQ(light.holding_light("caustic;volume"), "caustic") << "this method has all paths of `volume`: it is black";
-    light.add({image_of(0, 0)}, "");
-    EXPECT_EQ(light.holding_light("caustic;volume"), "");
+    light.add({image_of(0, 0)}, {caustic});
+    EXPECT_EQ(light.holding_light({caustic, volume}), C({caustic}))
+        << "this method has all paths of `volume`: it is black";
+    light.add({image_of(0, 0)}, {});
+    EXPECT_TRUE(light.holding_light({caustic, volume}).empty());
 }
 
 TEST(SceneLight, IsSeenInAnyImage) {
     SceneLight light(reference_of(1));
-    light.add({image_of(0, 0)}, "");
-    light.add({image_of(0, 0), image_of(0, 0.5f)}, "caustic;volume");
-    EXPECT_EQ(light.holding_light("caustic;volume"), "volume");
+    light.add({image_of(0, 0)}, {});
+    const Components both = {Component::caustic, Component::volume};
+    light.add({image_of(0, 0), image_of(0, 0.5f)}, both);
+    EXPECT_EQ(light.holding_light(both), Components({Component::volume}));
 }
 
 // An image whose judged part is black on both sides would have no error at all.
@@ -283,9 +282,9 @@ TEST(Judgement, HasNoTotalWhereNothingIsJudged) {
     const Reference whole = reference_of(1), nothing = reference_of(0);
     const Judgement judged(whole), empty(nothing);
     EXPECT_FALSE(judged.is_empty());
-    EXPECT_EQ(judged.errors(image, 0.01).count(total_name), 1u);
+    EXPECT_EQ(judged.errors(image, 0.01).count(Layer::total), 1u);
     EXPECT_TRUE(empty.is_empty());
-    EXPECT_EQ(empty.errors(image, 0.01).count(total_name), 0u);
+    EXPECT_EQ(empty.errors(image, 0.01).count(Layer::total), 0u);
     Reference black = reference_of(0);
     black.unresolved.clear();
     EXPECT_FALSE(Judgement(black).is_empty()) << "a scene without light is judged";

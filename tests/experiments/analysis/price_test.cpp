@@ -1,12 +1,13 @@
 // The price of an error: when the best method changes, the cost of the last halving, and the sentences about them.
 
+#include "experiments/analysis/price.h"
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
-#include "experiments/metrics/time_to_error.h"
-#include "experiments/report/price_text.h"
+#include "experiments/report/answers.h"
+#include "experiments/report/field_text.h"
 #include "experiments/report/report.h"
+#include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
-#include "tests/support/table_fixtures.h"
 
 #include <fmt/format.h>
 
@@ -19,29 +20,18 @@ namespace {
 Cell run(const std::string& method, std::uint64_t seed, double c, double floor, double first, double last) {
     Cell cell = run_of(method, c, first, last, floor, seed);
     for (auto& [checkpoint, errors] : cell.checkpoints)
-        for (const auto& [name, share] : {std::pair{"caustic", 0.9}, {"indirect", 0.1}})
-            errors[name] = {0, 0, 0, 0, share * errors.at(total_name).rel_mse_corrected};
+        for (const auto& [layer, share] : {std::pair{Layer::caustic, 0.9}, {Layer::indirect, 0.1}})
+            errors[layer] = {0, 0, 0, 0, share * errors.at(Layer::total).rel_mse_corrected};
     return cell;
 }
 
-TableRow row(const Analysis& analysis, const std::string& method, const std::string& component = "total") {
-    std::vector<const Cell*> cells;
-    std::vector<std::vector<CurvePoint>> curves;
-    for (const Cell& cell : analysis.cells)
-        if (cell.method == method) {
-            cells.push_back(&cell);
-            curves.emplace_back();
-            for (const auto& c : cell.checkpoints)
-                curves.back().push_back({c.checkpoint.seconds, std::sqrt(c.errors.at(component).rel_mse_corrected)});
-        }
-    TableRow row = row_of(method, component, {}, 3);
+TableRow row(const Analysis& analysis, const std::string& method, Layer layer = Layer::total) {
+    const Runs cells = cells_by_method(analysis, "box").at(method);
+    TableRow row = row_of(method, layer, {}, 3);
     row.statistics->rel_bias2 = Estimate{2e-4, {}};
     row.seeds = static_cast<int>(cells.size());
     row.seconds = cells.front()->last().seconds;
-    for (std::size_t t = 0; t < target_errors.size(); ++t)
-        row.times[t] = time_to_error(curves, target_errors[t]);
-    row.law = price_law_of(cells, component, 0);
-    row.last_halving = last_halving(cells, component, 0);
+    add_curve_numbers(row, cells);
     return row;
 }
 
@@ -55,8 +45,8 @@ Analysis crossing() {
         analysis.cells.push_back(run("exact", seed, 1.6e-2 * own, 0, 0.5, 128));
     }
     for (const char* method : {"quick", "exact"})
-        for (const char* component : {"total", "caustic", "indirect"})
-            analysis.rows.push_back(row(analysis, method, component));
+        for (const Layer layer : {Layer::total, Layer::caustic, Layer::indirect})
+            analysis.rows.push_back(row(analysis, method, layer));
     return analysis;
 }
 
@@ -71,7 +61,7 @@ TEST(Crossovers, AreWhereTheCurvesCross) {
     EXPECT_EQ(changes[1].before, "quick");
     // The interpolation between checkpoints is a power law: right to a few percent for the sum of floor and noise.
     EXPECT_NEAR(changes[1].seconds, 1.5e-2 / 9e-4, 0.03 * 1.5e-2 / 9e-4);
-    EXPECT_NEAR(changes[1].relative_rmse, std::sqrt(1.6e-2 / changes[1].seconds), 0.001);
+    EXPECT_NEAR(std::sqrt(changes[1].relative_rmse.value), std::sqrt(1.6e-2 / changes[1].seconds), 0.001);
     ASSERT_TRUE(changes[1].interval.has_value());
     EXPECT_LT(changes[1].interval->lo, changes[1].seconds);
     EXPECT_GT(changes[1].interval->hi, changes[1].seconds);
@@ -82,7 +72,7 @@ TEST(Crossovers, IgnoreMethodsThatAreLevel) {
     Analysis analysis;
     analysis.cells = {run("a", 1, 1e-2, 0, 1, 64), run("b", 1, 1.002e-2, 0, 1, 64)};
     // b is ahead by 1 % at one checkpoint.
-    analysis.cells[1].checkpoints[3].errors.at("total").rel_mse_corrected *= 0.98;
+    analysis.cells[1].checkpoints[3].errors.at(Layer::total).rel_mse_corrected *= 0.98;
     EXPECT_EQ(crossovers(analysis).size(), 1u);
 }
 
@@ -98,19 +88,19 @@ TEST(LastHalving, IsMeasuredWithPreparation) {
 TEST(PriceAnswers, NeverNameAMethodThatLeavesOutAnEffect) {
     Analysis analysis = crossing();
     for (TableRow& row : analysis.rows)
-        if (row.method == "quick") row.effects_missing = "caustics";
-    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("`exact` is the cheapest at 5 %"));
+        if (row.method == "quick") row.effects_missing = {Effect::caustics};
+    EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("`exact` is the cheapest at 5 %"));
     for (TableRow& row : analysis.rows)
-        row.effects_missing = "caustics";
-    EXPECT_THAT(price_answers(analysis)[0].text, HasSubstr("No method with all light of the scene reached 5 %"));
+        row.effects_missing = {Effect::caustics};
+    EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("No method with all light of the scene reached 5 %"));
 }
 
 TEST(PriceAnswers, NeverNameAMethodThatLeavesOutLightOfAComponent) {
     Analysis analysis = crossing();
     for (TableRow& row : analysis.rows)
-        if (row.method == "quick") row.components_missing = "caustic;indirect";
-    EXPECT_THAT(price_answers(analysis)[0].text, AllOf(HasSubstr("`exact` is the cheapest at 5 %"),
-                                                       HasSubstr("leaves out light of `caustic`, `indirect`")));
+        if (row.method == "quick") row.components_missing = {Component::caustic, Component::indirect};
+    EXPECT_THAT(price_answers(analysis, "box")[0], AllOf(HasSubstr("`exact` is the cheapest at 5 %"),
+                                                         HasSubstr("leaves out light of `caustic`, `indirect`")));
     EXPECT_THAT(markdown_table(analysis), HasSubstr("| light of caustic, indirect |"));
 }
 
@@ -118,33 +108,33 @@ TEST(PriceAnswers, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
     Analysis analysis = crossing();
     analysis.references.emplace_back();
     analysis.references[0].scene = "box";
-    analysis.references[0].unjudged = "caustic";
-    const auto answers = price_answers(analysis);
+    analysis.references[0].unjudged = {Component::caustic};
+    const auto answers = price_answers(analysis, "box");
     ASSERT_EQ(answers.size(), 1u);
-    EXPECT_EQ(answers[0].text, "No method is the cheapest: the reference does not judge the light of `caustic`.");
+    EXPECT_EQ(answers[0], "No method is the cheapest: the reference does not judge the light of `caustic`.");
     EXPECT_TRUE(crossovers(analysis).empty());
     EXPECT_TRUE(pareto_frontier(analysis).empty());
     for (const EqualTimeRow& row : equal_time_rows(analysis))
-        EXPECT_NE(row.component, total_name);
+        EXPECT_NE(row.layer, Layer::total);
     EXPECT_FALSE(equal_time_rows(analysis).empty()) << "components that are judged keep their rows";
     EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("is the cheapest at")));
 }
 
 TEST(PriceAnswers, NameTheCheapestAndWhatKeepsTheOthers) {
     Analysis analysis = crossing();
-    const auto answers = price_answers(analysis);
+    const auto answers = price_answers(analysis, "box");
     ASSERT_EQ(answers.size(), 2u);
-    EXPECT_THAT(answers[0].text, AllOf(HasSubstr("`quick` is the cheapest at 5 %: 0."),
-                                       HasSubstr("`exact` takes 10.0 times as long. After 0.637 s"),
-                                       HasSubstr("90 % of its squared error in `caustic`, 10 % in `indirect`")));
-    EXPECT_THAT(answers[1].text,
-                AllOf(HasSubstr("No method reached 1 %"), HasSubstr("`exact`"), HasSubstr("(extrapolated)")))
+    EXPECT_THAT(answers[0], AllOf(HasSubstr("`quick` is the cheapest at 5 %: 0."),
+                                  HasSubstr("`exact` takes 10.0 times as long. After 0.637 s"),
+                                  HasSubstr("90 % of its squared error in `caustic`, 10 % in `indirect`")));
+    EXPECT_THAT(answers[1],
+                AllOf(HasSubstr("No method reached 1 %"), HasSubstr("`exact`"), HasSubstr("(extrapolated, ")))
         << "160 s were not measured";
     const TableRow quick = row(analysis, "quick");
-    EXPECT_EQ(time_text(quick, 3), "never (floor 3.00 %)");
+    EXPECT_EQ(line_of(time_field(quick, 3)), "never (floor 3.00 %)");
     // The floor's bias^2 is at most that of the split of the images: 2e-4 of 9e-4.
     EXPECT_NEAR(floor_bias2(quick), 2e-4, 1e-12);
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("bias 1.41, fixed noise 2.65"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| 3.00 (3.00 to 3.00) | 1.41 |"));
 }
 
 // The runs end after 64 and 96 s. At their mean, 80 s, the longer one has not got its final image.
@@ -155,9 +145,9 @@ TEST(PriceAnswers, GiveTheClosestTheErrorOfItsFinalImages) {
         analysis.rows.push_back(row(analysis, method));
     analysis.rows[0].seconds = 80;
     const double final_error = std::sqrt((10. / 96 + 10. / 64) / 2);
-    const auto answers = price_answers(analysis);
+    const auto answers = price_answers(analysis, "box");
     ASSERT_EQ(answers.size(), 2u);
-    EXPECT_THAT(answers[0].text, HasSubstr(fmt::format("after 80.0 s `a` has {:.2f} %", 100 * final_error)));
+    EXPECT_THAT(answers[0], HasSubstr(fmt::format("after 80.0 s `a` has {:.2f} %", 100 * final_error)));
 }
 
 TEST(FootingWarnings, NameSceneMethodAndComponent) {
@@ -169,9 +159,10 @@ TEST(FootingWarnings, NameSceneMethodAndComponent) {
     analysis.rows[3].footing = Footing{{0, {}}, 1, {0.0, Interval{0, 0}}, FootingVerdict::agrees};
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 2u);
-    EXPECT_TRUE(warnings[0].differs) << "the certain ones first";
-    EXPECT_EQ(warnings[0].text, "quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
-    EXPECT_EQ(warnings[1].text, "quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
+    EXPECT_EQ(warnings[0].kind, Warning::Kind::energy_differs) << "the certain ones first";
+    EXPECT_EQ(warnings[0].sentence,
+              "quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
+    EXPECT_EQ(warnings[1].sentence, "quick cannot be told within 1 %: `total` +0.00 % (-4.00 to +4.00)");
     analysis.index.seeds = 3;
     EXPECT_THAT(markdown_table(analysis),
                 AllOf(HasSubstr("- box: of 3 components and totals that are not black 1 agree within 1 %, 1 differ, 1 "
@@ -187,21 +178,21 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     const Estimate unknown{0.1, Interval{-0.2, 0.4}};
     for (const auto& [method, energy, deviation] :
          {std::tuple{"a", 1.0, 0.0005}, {"b", 1.03, 0.0005}, {"c", 1.002, 0.0005}, {"d", 1.4, 0.5}}) {
-        analysis.rows.push_back(row_of(method, "indirect"));
+        analysis.rows.push_back(row_of(method, Layer::indirect));
         analysis.rows.back().footing =
             Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::unresolved};
     }
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 5u) << "one disagreement, four that cannot be told";
-    EXPECT_TRUE(warnings[0].differs);
-    EXPECT_THAT(warnings[0].text, AllOf(HasSubstr("`indirect` differs between methods"), HasSubstr("b has +3.00 %"),
-                                        HasSubstr("over a")));
-    analysis.rows[1].effects_missing = "refraction";
+    EXPECT_EQ(warnings[0].kind, Warning::Kind::energy_differs);
+    EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("`indirect` differs between methods"), HasSubstr("b has +3.00 %"),
+                                            HasSubstr("over a")));
+    analysis.rows[1].effects_missing = {Effect::refraction};
     EXPECT_EQ(footing_warnings(analysis).size(), 4u) << "b leaves out light, which is no disagreement";
-    analysis.rows[1].effects_missing = "";
-    analysis.rows[1].components_missing = "caustic;indirect";
+    analysis.rows[1].effects_missing = {};
+    analysis.rows[1].components_missing = {Component::caustic, Component::indirect};
     EXPECT_EQ(footing_warnings(analysis).size(), 4u);
-    analysis.rows[1].components_missing = "caustic";
+    analysis.rows[1].components_missing = {Component::caustic};
     EXPECT_EQ(footing_warnings(analysis).size(), 5u) << "it has all light of this component";
 }
 

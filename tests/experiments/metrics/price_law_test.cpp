@@ -48,16 +48,30 @@ TEST(PriceLaw, GivesBackTheLawOfExactCurves) {
     }
 }
 
-TEST(PriceLaw, NextHalvingIsWhenTheLawSaysSo) {
-    // Pure noise of slope 1 without preparation needs four times the time. If half of the time at the end is a
-    // preparation of 16 s, the factor is (16 + 4 * 16) / 32.
-    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 0}, 1), 0)->next_halving.value().value, 4, 1e-3);
-    EXPECT_NEAR(fit_price_law(exact_runs({0, 4e-3, 1, 16}, 1), 16)->next_halving.value().value, 2.5, 1e-3);
-    // At 16 s the floor is above a quarter of the squared error, so the error never halves.
-    EXPECT_FALSE(fit_price_law(exact_runs({1e-3, 4e-3, 1, 0}, 4), 0)->next_halving.has_value());
+using Kind = Extrapolation::Kind;
+
+TEST(PriceLaw, TimesAreThoseOfTheLaw) {
+    const PriceLaw noise = *fit_price_law(exact_runs({0, 4e-3, 1, 0}, 4), 0);
+    // Half the error of the end, at 16 s, takes four times the time. The runs are equal, so that the interval has no
+    // width but for the floor, which a curve over a factor of 64 can hide a little of.
+    const auto time = noise.extrapolate(4e-3 / 16 / 4);
+    ASSERT_TRUE(time && time->kind == Kind::time);
+    EXPECT_NEAR(time->seconds, 64, 0.1);
+    EXPECT_LE(time->interval->lo, time->seconds);
+    EXPECT_GE(time->interval->hi, time->seconds);
+    EXPECT_LT(time->interval->hi, 70);
+    const PriceLaw prepared = *fit_price_law(exact_runs({0, 4e-3, 1, 16}, 4), 16);
+    EXPECT_NEAR(prepared.extrapolate(4e-3 / 16 / 4, true)->seconds, 16 + 64, 0.1);
+    // The floor is above a quarter of the squared error of the end.
+    EXPECT_EQ(fit_price_law(exact_runs({1e-3, 4e-3, 1, 0}, 4), 0)->extrapolate(3e-4)->kind, Kind::never);
     const ErrorLaw law{1e-4, 4e-3, 1, 2};
     EXPECT_NEAR(*law.seconds_to(law.error2(37)), 37, 1e-9);
     EXPECT_FALSE(law.seconds_to(1e-4).has_value());
+}
+
+// Without an interval there is no extrapolation.
+TEST(PriceLaw, TwoRunsDoNotExtrapolate) {
+    EXPECT_FALSE(fit_price_law(exact_runs({0, 4e-3, 1, 0}, 2), 0)->extrapolate(6e-5).has_value());
 }
 
 // The last points of four runs scatter by more than the floor that their mean seems to have. So "never" is not known,
@@ -70,14 +84,44 @@ TEST(PriceLaw, AFloorThatIsNotResolvedForbidsNothing) {
     const auto unresolved = fit_price_law(runs, 0);
     ASSERT_GT(unresolved->floor.value, 5e-5);
     ASSERT_EQ(unresolved->floor.interval->lo, 0);
+    EXPECT_GT(unresolved->floor.interval->hi, unresolved->floor.value);
     const auto time = unresolved->extrapolate(2.5e-5);
     ASSERT_TRUE(time.has_value());
-    EXPECT_TRUE(time->at_least);
-    EXPECT_GT(time->seconds, 160) << "the runs without floor";
+    EXPECT_EQ(time->kind, Kind::at_least);
     const auto resolved = fit_price_law(exact_runs({1e-4, 4e-3, 1, 0}, 4), 0);
-    EXPECT_FALSE(resolved->extrapolate(2.5e-5).has_value());
+    EXPECT_EQ(resolved->extrapolate(2.5e-5)->kind, Kind::never);
     EXPECT_NEAR(resolved->extrapolate(1.4e-4)->seconds, 100, 0.5);
-    EXPECT_FALSE(resolved->extrapolate(1.4e-4)->at_least);
+    EXPECT_EQ(resolved->extrapolate(1.4e-4)->kind, Kind::time);
+}
+
+// The fitted floor of each curve is 0. That is no knowledge: floors up to a third of the last error fit nearly as well.
+TEST(PriceLaw, AFittedFloorOfZeroHasAnUpperEnd) {
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    Runs runs;
+    for (int s = 0; s < 5; ++s) {
+        runs.emplace_back();
+        for (const double t : checkpoint_times(0, 0.25, 16))
+            runs.back().push_back({t, 4e-3 / std::pow(t, 1.2) * (1 + 0.02 * normal(random))});
+    }
+    const PriceLaw price = *fit_price_law(runs, 0);
+    ASSERT_LT(price.floor.value, 0.1 * 4e-3 / std::pow(4, 1.2));
+    EXPECT_GT(price.floor.interval->hi, 0.02 * 4e-3 / std::pow(4, 1.2));
+    EXPECT_EQ(price.extrapolate(1e-6)->kind, Kind::at_least);
+}
+
+// An error that falls faster than the steepest law has no slope, and no time is computed from it.
+TEST(PriceLaw, ASlopeAtTheEndOfItsRangeHasNoInterval) {
+    Runs runs;
+    for (const double own : {0.97, 0.99, 1.01, 1.03}) {
+        runs.emplace_back();
+        for (const double t : checkpoint_times(0, 0.25, 16))
+            runs.back().push_back({t, own * std::exp(-8 * t)});
+    }
+    const PriceLaw price = *fit_price_law(runs, 0);
+    ASSERT_NEAR(price.slope.value, 4, 0.05);
+    EXPECT_FALSE(price.slope.interval.has_value());
+    EXPECT_FALSE(price.extrapolate(1e-30).has_value());
 }
 
 TEST(PriceLaw, SaysNothingOfTooLittleOrOfErrorsThatDoNotFall) {
@@ -108,10 +152,10 @@ TEST(PriceLaw, ABendTowardsTheSlopeOfNoiseIsNoFloor) {
     ASSERT_GT(bent.floor.value, 0) << "what the fit takes it for";
     EXPECT_EQ(bent.floor.interval->lo, 0);
     ASSERT_TRUE(bent.extrapolate(1e-6).has_value());
-    EXPECT_TRUE(bent.extrapolate(1e-6)->at_least);
+    EXPECT_EQ(bent.extrapolate(1e-6)->kind, Kind::at_least);
     const PriceLaw floored = price_of(2e-5);
     EXPECT_GT(floored.floor.interval->lo, 0);
-    EXPECT_FALSE(floored.extrapolate(1e-6).has_value());
+    EXPECT_EQ(floored.extrapolate(1e-6)->kind, Kind::never);
 }
 
 /// Runs whose squared error has two parts: a fixed one, equal in all points of a run, with a

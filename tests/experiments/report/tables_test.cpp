@@ -3,16 +3,17 @@
 
 #include "experiments/report/tables.h"
 
+#include "experiments/analysis/price.h"
 #include "experiments/report/error_words.h"
+#include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
-#include "experiments/report/price_text.h"
 #include "experiments/report/report.h"
 #include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"
 #include "experiments/text/numbers.h"
+#include "tests/support/analysis_fixtures.h"
 #include "tests/support/csv_reader.h"
 #include "tests/support/matchers.h"
-#include "tests/support/table_fixtures.h"
 
 #include <cmath>
 #include <numeric>
@@ -32,7 +33,7 @@ Analysis small_analysis() {
     analysis.index.methods = {"path spp=1"};
     Cell cell = cell_of("path spp=1");
     cell.prepare_seconds = 0.25;
-    cell.checkpoints.push_back({{1, 0.5, {1000, 77, {2, 0, 3}}, 12}, {{total_name, {1, 2, 3, 4, 5}}}});
+    cell.checkpoints.push_back({{1, 0.5, {1000, 77, {2, 0, 3}}, 12}, {{Layer::total, {1, 2, 3, 4, 5}}}});
     cell.stages = {{"trace", 0.3}, {"other", 0.2}};
     analysis.cells.push_back(cell);
     TableRow row = row_of("path spp=1");
@@ -40,7 +41,7 @@ Analysis small_analysis() {
     row.seconds = 0.5;
     row.statistics->rel_mse = {0.0025, Interval{0.0018, 0.0034}};
     row.statistics->rel_mse_corrected = 0.0016;
-    row.effects_missing = "caustics;refraction";
+    row.effects_missing = {Effect::caustics, Effect::refraction};
     row.flip = 0.125;
     analysis.rows.push_back(row);
     return analysis;
@@ -75,12 +76,12 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("rel_mse"), "0.0025");
     EXPECT_EQ(value("bias2"), "") << "one seed has no bias";
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
-    EXPECT_EQ(value("effects_missing"), "caustics;refraction");
+    EXPECT_EQ(value("effects_missing"), "refraction;caustics");
     EXPECT_EQ(value("flip"), "0.125");
     EXPECT_THAT(
         markdown_table(analysis),
         HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
-                  "not reached | 0 | 0.125 | caustics, refraction |"));
+                  "not reached | 0 | 0.125 | refraction, caustics |"));
 }
 
 // Files may have such names, and a title may have several lines.
@@ -88,7 +89,7 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     Analysis analysis = small_analysis();
     analysis.index.title = "T\n| a | b |";
     analysis.index.scenes[0].name = analysis.cells[0].scene = analysis.rows[0].scene = "a|b\nc";
-    analysis.references.push_back({"a|b\nc", "path", 0.01, true, {}, 64, {"of a|b\nc"}, {{total_name, 1e-6}}});
+    analysis.references.push_back({"a|b\nc", "path", 0.01, true, {}, 64, {"of a|b\nc"}, {{Layer::total, 1e-6}}});
     const std::string text = markdown_table(analysis);
     EXPECT_THAT(text, StartsWith("# T \\| a \\| b \\|\n\n"));
     EXPECT_THAT(text, HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
@@ -110,9 +111,9 @@ TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
 TEST(Tables, ShowEveryMemberOfARow) {
     Analysis analysis;
     analysis.rows.resize(1);
-    auto& [scene, method, component, seeds, seconds, prepare_seconds, statistics, robust, noise, bias, times, footing,
-           law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor, flip, epsilon, components_missing,
-           is_unbiased, is_external, floor_known, cpu] = analysis.rows[0];
+    auto& [scene, method, layer, seeds, seconds, prepare_seconds, least_passes, most_passes, statistics, robust, noise,
+           bias, times, reached, footing, law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor,
+           flip, epsilon, components_missing, is_unbiased, is_external, floor_known, cpus] = analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -123,30 +124,33 @@ TEST(Tables, ShowEveryMemberOfARow) {
     };
     expect_shown(scene, "box");
     expect_shown(method, "path");
-    expect_shown(component, "total");
+    expect_shown(layer, Layer::caustic);
     expect_shown(seeds, 7);
     expect_shown(seconds, 1.5);
     expect_shown(prepare_seconds, 0.5);
+    expect_shown(most_passes, 9);
+    expect_shown(least_passes, 8);
     expect_shown(statistics, ReplicateStatistics{1, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, {}});
     expect_shown(robust, RobustError{0.5, 0.25, 0.125});
     expect_shown(noise, NoiseSpectrum{});
     expect_shown(bias, std::vector<SpectrumPoint>(1));
     expect_shown(times[2], Estimate{3, {}});
+    expect_shown(reached[0], 1);
     expect_shown(footing, Footing{});
     expect_shown(law, PriceLaw{});
     expect_shown(last_halving, Estimate{4, {}});
     expect_shown(nonfinite, 9);
     expect_shown(peak_rss_mib, 12.0);
-    expect_shown(effects_missing, "caustics");
+    expect_shown(effects_missing, Effects({Effect::caustics}));
     expect_shown(noise_floor, 0.01);
     expect_shown(flip, 0.25);
     expect_shown(epsilon, 0.02);
-    expect_shown(components_missing, "caustic");
+    expect_shown(components_missing, Components({Component::caustic}));
     statistics->bias2 = Estimate{1, {}};
     expect_shown(is_unbiased, true);
     expect_shown(is_external, true);
     expect_shown(floor_known, false);
-    expect_shown(cpu, "a processor");
+    expect_shown(cpus, std::set<std::string>({"a processor"}));
 }
 
 // Every entry of row_columns() with a heading stands in table.md, so that no metric is for the CSV file alone.
@@ -173,7 +177,7 @@ TEST(Tables, KeepTheOrderOfTheSections) {
 
 /// A row of images with these parts of the mean squared error.
 TableRow error_row(const std::string& method, const Estimate& bias2, double variance) {
-    TableRow row = row_of(method, total_name, bias2, 5);
+    TableRow row = row_of(method, Layer::total, bias2, 5);
     row.statistics->rel_mse = {0.01, {}};
     row.statistics->rmse_corrected = 0.1;
     row.statistics->rel_mse_corrected = 0.01;
@@ -203,72 +207,82 @@ TEST(ErrorKind, KnowsMethodsThatAreUnbiased) {
     EXPECT_THAT(error_kind(error_row("photon_mapper k=5", bias2, 0.4)), HasSubstr("bias: 60 %"));
     Analysis analysis;
     analysis.rows = {unbiased, error_row("photon_mapper k=5", bias2, 0.4)};
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| none: unbiased |"), HasSubstr("| 60 % bias |")));
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 0 (unbiased) |"), HasSubstr("| 60 (50 to 70) |")));
 }
 
 TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
-    Analysis analysis;
-    const auto add = [&](const std::string& method, double error2) {
-        analysis.rows.push_back(error_row(method, {0, Interval{-1, 1}}, 1));
-        analysis.looks.push_back({.scene = "box", .method = method, .seconds = 2, .error2 = error2, .passes = 4});
-        analysis.looks.back().image_seconds = 1.5;
-        analysis.looks.back().flip = 0.0625;
-    };
-    add("good", 0.0004);
-    add("best", 0.0001);
-    add("incomplete", 0.00001);
-    analysis.rows.back().effects_missing = "refraction;caustics";
-    analysis.rows.back().footing = Footing{{1, {}}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    std::vector<Cell> cells;
+    for (const auto& [method, c] : {std::pair("good", 4e-4), {"best", 1e-4}, {"incomplete", 1e-5}})
+        for (std::uint64_t seed = 1; seed <= 3; ++seed)
+            cells.push_back(run_of(method, c * (1 + 0.01 * static_cast<double>(seed)), 1, 1, 0, seed));
+    Analysis analysis = analysis_of(cells);
+    TableRow& incomplete = *std::find_if(analysis.rows.begin(), analysis.rows.end(),
+                                         [](const TableRow& r) { return r.method == "incomplete"; });
+    incomplete.effects_missing = {Effect::refraction, Effect::caustics};
+    incomplete.footing = Footing{{1, {}}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
+    for (EqualTimeLook& look : analysis.looks) {
+        look.flip = 0.0625;
+        look.passes = 4;
+        look.image_seconds = 1.5;
+    }
     const auto words = look_words(analysis, "box");
     ASSERT_EQ(words.size(), 3u);
     EXPECT_EQ(words[0].look.method, "best");
-    EXPECT_EQ(words[0].error, "1.00");
-    EXPECT_EQ(words[0].flip, "0.062");
+    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[0].beside, "best");
+    EXPECT_EQ(line_of(words[0].error), "1.01");
+    EXPECT_EQ(line_of(words[0].flip), "0.0625");
     EXPECT_EQ(words[0].shown, "4 passes, 1.50 s");
     EXPECT_EQ(words[1].look.method, "good");
     EXPECT_EQ(words[2].energy, "total");
     EXPECT_EQ(words[2].missing, "refraction, caustics");
-    analysis.rows[0].noise_floor = 0.0009;
-    EXPECT_EQ(look_words(analysis, "box")[1].error, "below 3.00");
+    for (TableRow& row : analysis.rows)
+        row.noise_floor = 0.0009;
+    EXPECT_EQ(line_of(look_words(analysis, "box")[1].error), "below 3.00, not resolved");
 }
 
 // The same state has the same words in every place: "not resolved" if the reference hides it, else "not reached".
 TEST(Times, NotReachedIsNotUnresolved) {
     TableRow r = error_row("path", {0, {}}, 1);
-    EXPECT_EQ(time_text(r, 3), "not reached");
+    EXPECT_EQ(time_field(r, 3).state, State::not_reached);
     r.noise_floor = 0.0001;
-    EXPECT_EQ(time_text(r, 3), "not resolved") << "1 % is not above the floor";
-    EXPECT_EQ(time_text(r, 1), "not reached");
+    EXPECT_EQ(time_field(r, 3).state, State::not_resolved) << "1 % is not above the floor";
+    EXPECT_EQ(time_field(r, 1).state, State::not_reached);
     Analysis analysis;
     analysis.rows = {r};
     EXPECT_THAT(markdown_table(analysis),
                 HasSubstr("| not reached | not reached | not reached | not resolved | not resolved |"));
+    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_1pct_state"), "not resolved");
+}
+
+/// A row of a method whose squared errors are c / t, and differ from seed to seed by a few percent.
+TableRow law_row() {
+    std::vector<Cell> cells;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed)
+        cells.push_back(run_of("path", 0.01 * (1 + 0.02 * static_cast<double>(seed)), 1, 64, 0, seed));
+    return analysis_of(cells).rows.front();
 }
 
 // table.csv holds no time that the report does not extrapolate to.
 TEST(Times, TheNextHalvingOfTableCsvIsThatOfTheReport) {
-    TableRow r = error_row("path", {0, {}}, 1);
-    r.law = PriceLaw{};
-    r.law->law = {.floor = 0, .factor = 1, .slope = 1, .start = 0};
-    r.law->floorless = r.law->law;
-    r.law->first_seconds = 1;
-    r.law->last_seconds = 64;
-    r.law->next_halving = Estimate{4, Interval{3.5, 4.5}};
-    const auto in_csv = [&] {
+    TableRow r = law_row();
+    r.is_unbiased = true;
+    const auto in_csv = [&](const std::string& column) {
         Analysis analysis;
         analysis.rows = {r};
-        return field_of(error_table(analysis), "next_halving");
+        return field_of(error_table(analysis), column);
     };
-    EXPECT_EQ(next_halving_text(r), "4.00 (3.50 to 4.50)");
-    EXPECT_EQ(in_csv(), "4");
+    const Field halving = next_halving_field(r);
+    EXPECT_EQ(halving.state, State::extrapolated);
+    EXPECT_NEAR(halving.value, 4, 1e-3);
+    EXPECT_EQ(in_csv("next_halving"), csv_number(halving.value));
+    EXPECT_NE(in_csv("next_halving_hi"), "");
+    EXPECT_EQ(in_csv("seconds_to_1pct_state"), "extrapolated");
+    EXPECT_EQ(in_csv("seconds_to_1pct"), "") << "never reached is empty";
+    EXPECT_NEAR(std::stod(in_csv("seconds_to_1pct_law")), 106, 0.1);
     r.law->misfit = 0.9;
-    EXPECT_EQ(next_halving_text(r), "") << "the law does not hold";
-    EXPECT_EQ(in_csv(), "");
-    r.law->misfit = 0;
-    r.law->next_halving.reset();  // a floor that is not resolved
-    EXPECT_EQ(in_csv(), "");
-    r.law->next_halving = Estimate{1000, {}};
-    EXPECT_EQ(in_csv(), "") << "too far to be extrapolated";
+    EXPECT_EQ(next_halving_field(r).state, State::none) << "the law does not hold";
+    EXPECT_EQ(in_csv("next_halving"), "");
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {

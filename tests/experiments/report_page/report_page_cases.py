@@ -156,6 +156,33 @@ class PageTest(ReportCase):
         found = {node.get("role", {}).get("value") for node in nodes}
         self.assertLessEqual({"button", "combobox", "slider", "radio", "application", "region"}, found)
 
+    def test_paper_has_all_pictures_and_tables_whole(self):
+        self.wait(lambda: self.script("return [...document.querySelectorAll('section.scene')].every((s) => s.strip.drawn)"),
+                  "the strips of all scenes are drawn, in sight or not")
+        # A4 landscape without its margins at 96 dots per inch.
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": 1047, "height": 718, "deviceScaleFactor": 1, "mobile": False})
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        try:
+            self.script("dispatchEvent(new Event('beforeprint'))")
+            self.shot("print")
+            self.assertEqual(self.script("return document.querySelectorAll('details:not([open])').length"), 0)
+            self.assert_fits("paper")
+            cut = self.script("""
+                return [...document.querySelectorAll(".scroll, .chart-box, td, th, figcaption, li")]
+                  .filter((e) => e.checkVisibility() && e.scrollWidth > e.clientWidth + 1)
+                  .map((e) => e.className + " " + e.textContent.slice(0, 60))""")
+            self.assertEqual(cut, [])
+            blank = self.script("""
+                return [...document.querySelectorAll(".tile canvas, .chart-box canvas")].filter((e) => e.checkVisibility())
+                  .filter((e) => !e.getContext("2d").getImageData(0, 0, e.width, e.height).data.some((v) => v > 0))
+                  .map((e) => e.getAttribute("aria-label"))""")
+            self.assertEqual(blank, [])
+            self.script("dispatchEvent(new Event('afterprint'))")
+            self.assertGreater(self.script("return document.querySelectorAll('details:not([open])').length"), 0)
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
     def test_without_scripts_the_numbers_can_be_read(self):
         text = self.text_without_scripts(os.path.join(self.results, "report.html"))
         for words in ("A test of the report: <b>&amp; co", "Price list", "cheapest", "indirect", PHOTONS, "noise: the method is unbiased",

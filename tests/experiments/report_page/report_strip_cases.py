@@ -49,12 +49,22 @@ class StripTest(ReportCase):
                  if row["scene"] == BOX and row["component"] == "total"}
         texts = {tile.get_attribute("data-method"): tile.text for tile in self.tiles()[1:]}
         for method, text in texts.items():
-            self.assertRegex(text, r"\d %, FLIP 0\.\d\d\d")
+            self.assertRegex(text, r"\d %, FLIP 0\.\d\d\d|no image yet; first after [\d.]+ s")
             self.assertRegex(text, "noise|bias")
             for effect in filter(None, table[method]["effects_missing"].split(";")):
                 self.assertIn(effect.replace("_", " "), text)
         self.assertIn("noise: the method is unbiased", texts[PATH])
         self.assertNotIn("path spp=16", texts, "it is the same method, which stopped earlier")
+
+    def test_the_best_is_framed_and_has_kept_the_time(self):
+        best = self.section.find_elements(By.CSS_SELECTOR, ".tile.best")
+        self.assertEqual(len(best), 1)
+        self.assertEqual(best[0], self.tiles()[1], "it stands beside the reference")
+        self.assertIn("best", best[0].text)
+        for tile in self.section.find_elements(By.CSS_SELECTOR, ".tile.best, .tile.tie"):
+            self.assertNotIn("late", tile.get_attribute("class"))
+        for tile in self.section.find_elements(By.CSS_SELECTOR, ".tile.late"):
+            self.assertIn("no image yet", tile.text)
 
     def test_images_and_error_maps_are_those_of_the_viewer(self):
         for method in fixture.METHODS[:3]:

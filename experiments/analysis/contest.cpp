@@ -1,0 +1,113 @@
+#include "experiments/analysis/contest.h"
+
+#include "experiments/analysis/price.h"
+#include "experiments/metrics/student_t.h"
+#include "experiments/metrics/time_to_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gib {
+
+namespace {
+
+/// A run counts as ended at a time that it missed by no more than this share of its own, because runs end with a pass.
+constexpr double end_slack = 0.02;
+
+}  // namespace
+
+Contest::Contest(const Analysis& analysis, const std::string& scene, Layer layer)
+    : analysis_(analysis),
+      scene_(scene),
+      layer_(layer),
+      methods_(cells_by_method(analysis, scene)),
+      is_judged_(layer != Layer::total || analysis.unjudged(scene).empty()),
+      noise_floor_(std::max(analysis.noise_floor(scene, layer), 0.0)) {}
+
+double Contest::equal_time() const {
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    for (const auto& [method, cells] : methods_) {
+        const double mean = mean_seconds(cells);
+        longest = std::max(longest, mean);
+        if (!have_converged(cells)) shortest = std::min(shortest, mean);
+    }
+    return std::min(shortest, longest);
+}
+
+Contender Contest::contender(const std::string& method, const Runs& cells) const {
+    const TableRow* row = analysis_.row(scene_, method, layer_);
+    return {
+        .method = method,
+        .values = {},
+        .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
+        .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
+        .first_image = first_image_of_all(cells)};
+}
+
+std::vector<double> Contest::above_noise(std::vector<double> errors2) const {
+    if (!errors2.empty() && sample_mean(errors2).value <= noise_floor_)
+        std::fill(errors2.begin(), errors2.end(), noise_floor_);
+    return errors2;
+}
+
+void Contest::extrapolate(Contender& contender, double seconds) const {
+    contender.known = Contender::Known::upper_bounds;
+    const TableRow* row = analysis_.row(scene_, contender.method, layer_);
+    if (!row || !row->law || !law_reaches(*row->law, seconds)) return;
+    contender.by_law = row->law->error2_after(seconds, row->is_unbiased).interval;
+}
+
+std::vector<Contender> Contest::after(double seconds) const {
+    std::vector<Contender> contenders;
+    for (const auto& [method, cells] : methods_) {
+        Contender c = contender(method, cells);
+        c.values = above_noise(errors2_by(cells, layer_, seconds));
+        if (c.ended < (1 - end_slack) * seconds) extrapolate(c, seconds);
+        contenders.push_back(std::move(c));
+    }
+    return ranked(std::move(contenders));
+}
+
+std::vector<Contender> Contest::to_error(std::size_t target) const {
+    std::vector<Contender> contenders;
+    const double error = target_errors[target];
+    for (const auto& [method, cells] : methods_) {
+        const TableRow* row = analysis_.row(scene_, method, layer_);
+        if (!row || !row->statistics) continue;
+        Contender c = contender(method, cells);
+        for (const auto& curve : error_curves(cells, layer_)) {
+            const auto time = is_target_resolved(target, noise_floor_) ? crossing_time(curve, error) : std::nullopt;
+            if (!time) c.known = Contender::Known::lower_bounds;
+            c.values.push_back(std::log(time ? *time : curve.empty() ? 0 : curve.back().seconds));
+        }
+        if (c.known == Contender::Known::lower_bounds) {
+            const Field time = time_field(*row, target);
+            constexpr double never = std::numeric_limits<double>::infinity();
+            if (time.state == State::never) c.by_law = Interval{never, never};
+            if (time.state == State::at_least) c.by_law = Interval{std::log(time.value), never};
+            if (time.state == State::extrapolated)
+                c.by_law = Interval{std::log(time.interval->lo), std::log(time.interval->hi)};
+        }
+        contenders.push_back(std::move(c));
+    }
+    return ranked(std::move(contenders));
+}
+
+std::vector<Contender> Contest::by_final_images() const {
+    std::vector<Contender> contenders;
+    for (const auto& [method, cells] : methods_) {
+        Contender c = contender(method, cells);
+        c.values = above_noise(errors2_by(cells, layer_, std::numeric_limits<double>::infinity()));
+        contenders.push_back(std::move(c));
+    }
+    contenders = ranked(std::move(contenders));
+    const Contender* best = best_of(contenders);
+    if (!best) return contenders;
+    const double seconds = mean_seconds(methods_.at(best->method));
+    for (Contender& c : contenders)
+        if (&c != best && c.ended < (1 - end_slack) * seconds) extrapolate(c, seconds);
+    return ranked(std::move(contenders));
+}
+
+}  // namespace gib

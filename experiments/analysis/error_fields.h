@@ -1,0 +1,25 @@
+#pragma once
+// What a row says of its error: how large it is, and which part of it is bias.
+
+#include "experiments/analysis/table_row.h"
+
+#include <optional>
+
+namespace gib {
+
+/// rel_mse with its interval, less the reference's own variance; unclipped.
+std::optional<Estimate> corrected_rel_mse(const TableRow& row);
+/// The same, not resolved where it is not above the noise floor.
+Field relative_error_field(const TableRow& row);
+/// The squared bias [radiance^2]: 0 by theory, or below the upper end of its interval where this reaches 0.
+Field bias2_field(const TableRow& row);
+/// The share of bias^2 in bias^2 + variance, with the interval of bias^2.
+Field bias_share_field(const TableRow& row);
+
+/// Whether bias^2 of this row is 0 by theory, so that all of its error is variance. The method has to declare itself
+/// unbiased, and it has to sample every path of the component, or of all components for the row of the total: its label
+/// sets no max_depth, no effect and none of these components is left out, and no sample was dropped because it was not
+/// finite.
+bool is_unbiased(const TableRow& row, const Components& components_left_out);
+
+}  // namespace gib

@@ -1,0 +1,58 @@
+#pragma once
+// A number as the analysis hands it to the printers of CSV, Markdown, HTML and LaTeX: with its interval, its unit, and
+// what is known of it. Printers write it; none of them reads a text again.
+
+#include "experiments/metrics/statistics.h"
+
+#include <limits>
+#include <optional>
+
+namespace gib {
+
+enum class State {
+    none,  ///< does not apply: an empty field
+    measured,
+    extrapolated,    ///< by the fitted law, with an interval
+    at_least,        ///< a lower bound, by the fitted law
+    below,           ///< an upper bound: the interval reaches 0
+    some_seeds,      ///< reached by `value` of the `seeds`
+    not_reached,     ///< by no seed, and nothing tells when
+    never,           ///< the law's floor, `value`, is above what was asked for
+    unbiased,        ///< 0 by theory
+    not_resolved,    ///< below `value`, the reference's own noise
+    cannot_be_told,  ///< the seeds do not tell
+    not_run_longer,  ///< the run ended after `value` seconds
+    no_image,        ///< none by then; the first after `value` seconds
+    not_judged,      ///< by this reference
+};
+
+/// How a number is printed in words and tables. CSV files have the number itself.
+enum class Unit {
+    number,   ///< three digits
+    percent,  ///< a share, in %
+    root,     ///< a square, as its root in %
+    whole,    ///< no decimals
+    share,    ///< a share, in whole %
+};
+
+struct Field {
+    State state = State::none;
+    double value = std::numeric_limits<double>::quiet_NaN();
+    std::optional<Interval> interval = std::nullopt;
+    Unit unit = Unit::number;
+    int seeds = 0;  ///< of State::some_seeds
+
+    bool is_measured() const { return state == State::measured; }
+};
+
+inline Field measured(const Estimate& e, Unit unit = Unit::number) {
+    return {State::measured, e.value, e.interval, unit};
+}
+inline Field measured(double value, Unit unit = Unit::number) { return {State::measured, value, std::nullopt, unit}; }
+/// An estimate of what cannot be negative: an upper bound where its interval reaches 0.
+inline Field positive(const Estimate& e, Unit unit = Unit::number) {
+    if (e.interval && !(e.interval->lo > 0)) return {State::below, e.interval->hi, std::nullopt, unit};
+    return measured(e, unit);
+}
+
+}  // namespace gib

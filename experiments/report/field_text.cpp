@@ -1,0 +1,118 @@
+#include "experiments/report/field_text.h"
+
+#include "experiments/text/numbers.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+std::string whole_percent(double share) {
+    const double value = 100 * share;
+    return value > 0 && value < 1 ? fmt::format("{:.1g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string number_text(double value, Unit unit) {
+    if (std::isnan(value)) return "nan";
+    switch (unit) {
+        case Unit::percent:
+            return percent_text(value);
+        case Unit::root:
+            return percent_text(std::sqrt(at_least_zero(value)));
+        case Unit::whole:
+            return fmt::format("{:.0f}", value);
+        case Unit::share:
+            return whole_percent(value);
+        case Unit::number:
+            break;
+    }
+    return short_number(value);
+}
+
+}  // namespace
+
+FieldText text_of(const Field& field, const std::string& unit) {
+    const auto number = [&](double value) { return number_text(value, field.unit) + unit; };
+    const std::string range = field.interval ? fmt::format("{} to {}", number_text(field.interval->lo, field.unit),
+                                                           number_text(field.interval->hi, field.unit))
+                                             : "";
+    switch (field.state) {
+        case State::measured:
+            return {number(field.value), range};
+        case State::extrapolated:
+            return {number(field.value), "extrapolated, " + range};
+        case State::at_least:
+            return {"at least " + number(field.value), "extrapolated"};
+        case State::below:
+            return {"below " + number(field.value), ""};
+        case State::some_seeds:
+            return {"not by all seeds", fmt::format("by {:.0f} of {}", field.value, field.seeds)};
+        case State::not_reached:
+            return {"not reached", ""};
+        case State::never:
+            return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
+        case State::unbiased:
+            return {"0", "unbiased"};
+        case State::not_resolved:
+            return {
+                std::isnan(field.value) ? "not resolved" : fmt::format("below {}, not resolved", number(field.value)),
+                ""};
+        case State::cannot_be_told:
+            return {"cannot be told", ""};
+        case State::not_run_longer:
+            return {"not run longer", fmt::format("than {} s", short_number(field.value))};
+        case State::no_image:
+            return {fmt::format("no image yet; first after {} s", short_number(field.value)), ""};
+        case State::not_judged:
+            return {"not judged", ""};
+        case State::none:
+            break;
+    }
+    return {};
+}
+
+std::string line_of(const Field& field, const std::string& unit) {
+    const auto [value, detail] = text_of(field, unit);
+    return detail.empty() ? value : fmt::format("{} ({})", value, detail);
+}
+
+std::string csv_text(const Field& field) { return field.is_measured() ? csv_number(field.value) : ""; }
+
+std::string csv_state(const Field& field) {
+    switch (field.state) {
+        case State::measured:
+            return "measured";
+        case State::extrapolated:
+            return "extrapolated";
+        case State::at_least:
+            return "at least";
+        case State::below:
+            return "below";
+        case State::some_seeds:
+            return "some seeds";
+        case State::not_reached:
+            return "not reached";
+        case State::never:
+            return "never";
+        case State::unbiased:
+            return "unbiased";
+        case State::not_resolved:
+            return "not resolved";
+        case State::cannot_be_told:
+            return "cannot be told";
+        case State::not_run_longer:
+            return "not run longer";
+        case State::no_image:
+            return "no image";
+        case State::not_judged:
+            return "not judged";
+        case State::none:
+            break;
+    }
+    return "";
+}
+
+}  // namespace gib

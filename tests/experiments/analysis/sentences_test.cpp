@@ -1,0 +1,219 @@
+// Sentences that say no more than their numbers: each test builds the situation in which one used to say too much.
+
+#include "experiments/analysis/comparison.h"
+#include "experiments/analysis/error_fields.h"
+#include "experiments/analysis/processors.h"
+#include "experiments/report/answers.h"
+#include "experiments/report/field_text.h"
+#include "experiments/report/look_words.h"
+#include "experiments/report/report.h"
+#include "experiments/report/report_data.h"
+#include "experiments/report/tables.h"
+#include "tests/support/analysis_fixtures.h"
+#include "tests/support/csv_reader.h"
+#include "tests/support/matchers.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <random>
+
+namespace gib::test::sentences_test {
+namespace {
+
+/// `seeds` runs of run_of() whose errors differ by a few percent from seed to seed.
+std::vector<Cell> runs(const std::string& method, double c, double first, double last, double floor = 0,
+                       int seeds = 4) {
+    std::vector<Cell> cells;
+    for (int seed = 1; seed <= seeds; ++seed)
+        cells.push_back(run_of(method, c * (1 + 0.02 * (seed - 0.5 * (seeds + 1))), first, last, floor,
+                               static_cast<std::uint64_t>(seed)));
+    return cells;
+}
+
+std::vector<Cell> joined(std::initializer_list<std::vector<Cell>> lists) {
+    std::vector<Cell> all;
+    for (const auto& list : lists)
+        all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
+
+// The photon mappers' first images are better than all that the path tracer has, but come after its whole time.
+TEST(EqualTimeLooks, MethodsWithoutAnImageStandLast) {
+    const Analysis analysis = analysis_of(
+        joined({runs("late", 1e-5, 5.98, 12), runs("path", 1e-2, 0.05, 0.85), runs("later", 1e-5, 43.5, 50)}));
+    const auto words = look_words(analysis, "box");
+    ASSERT_EQ(words.size(), 3u);
+    EXPECT_EQ(words[0].look.method, "path") << "it alone has kept the time";
+    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[1].look.method, "late");
+    EXPECT_EQ(line_of(words[1].error), "no image yet; first after 5.98 s");
+    EXPECT_FALSE(words[1].is_best || words[1].is_tie);
+    EXPECT_EQ(line_of(words[2].error), "no image yet; first after 43.5 s");
+    EXPECT_EQ(words[2].look.seconds, words[0].look.seconds) << "all are compared at one time";
+}
+
+// Four times as many samples of the path tracer would have won.
+TEST(Crossovers, NoMethodWinsBecauseTheOtherWasNotRunLonger) {
+    const Analysis cut =
+        analysis_of(joined({runs("path", 1e-2, 0.01, 0.16, 0, 2), runs("vcm", 2e-2, 0.05, 0.8, 0, 2)}));
+    for (const Crossover& c : crossovers(cut))
+        EXPECT_NE(c.method, "vcm");
+    EXPECT_TRUE(crossovers(cut).back().ends);
+    EXPECT_THAT(markdown_table(cut), AllOf(HasSubstr("`path` was not run longer"), Not(HasSubstr("| box | vcm |"))));
+    const Analysis whole =
+        analysis_of(joined({runs("path", 1e-2, 0.01, 0.64, 0, 2), runs("vcm", 2e-2, 0.05, 0.8, 0, 2)}));
+    for (const Crossover& c : crossovers(whole))
+        EXPECT_NE(c.method, "vcm");
+}
+
+// A law with an interval may speak where the run has ended: the floor of the quick method is known.
+TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
+    const Analysis analysis = analysis_of(joined({runs("quick", 1e-3, 0.5, 32, 9e-4), runs("exact", 4e-2, 0.5, 256)}));
+    const auto changes = crossovers(analysis);
+    ASSERT_EQ(changes.size(), 2u);
+    EXPECT_EQ(changes[1].method, "exact");
+    EXPECT_GT(changes[1].seconds, 32);
+    EXPECT_FALSE(changes[1].ends);
+}
+
+TEST(PriceAnswers, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
+    const Analysis analysis =
+        analysis_of(joined({runs("path", 1e-3, 0.01, 0.16, 0, 2), runs("vcm", 2e-3, 0.05, 3.2, 0, 2)}));
+    const std::string answer = price_answers(analysis, "box")[0];
+    EXPECT_THAT(answer, AllOf(HasSubstr("`vcm` is the first that was seen to reach 5 %"),
+                              HasSubstr("not run longer: `path`"), Not(HasSubstr("is the cheapest"))));
+    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("not run longer: path"));
+}
+
+// Seed by seed both take the same times, in another order.
+TEST(PriceAnswers, EqualMethodsAreATie) {
+    std::vector<Cell> cells;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        cells.push_back(run_of("a", 1e-2 * (1 + 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
+        cells.push_back(run_of("b", 1.02e-2 * (1.5 - 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
+    }
+    const Analysis analysis = analysis_of(cells);
+    EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("(tie with `"));
+    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("tie with"));
+    const auto words = look_words(analysis, "box");
+    EXPECT_THAT(words[0].beside, HasSubstr("tie with"));
+    EXPECT_TRUE(words[1].is_tie);
+    for (const EqualTimeRow& row : equal_time_rows(analysis))
+        EXPECT_EQ(row.ranking[1].standing, Standing::tie);
+    for (const Crossover& c : crossovers(analysis))
+        EXPECT_EQ(c.ties.size(), 1u);
+    for (const FrontierPoint& p : pareto_frontier(analysis))
+        EXPECT_EQ(p.ties.size(), 1u);
+}
+
+// The budget ends the seeds after 40 and 64 s. Their errors there, and not those at the last pass that all have, are the
+// ends of the curve and of the law.
+TEST(Curves, EndWhereTheTableEnds) {
+    std::vector<Cell> cells = {run_of("path", 0.64, 1, 32, 0, 1), run_of("path", 0.64, 1, 64, 0, 2)};
+    cells[0].checkpoints.push_back(checkpoint_of(40, 40, 0.64 / 40));
+    Analysis analysis = analysis_of(cells);
+    const double error2 = (0.64 / 40 + 0.64 / 64) / 2;
+    const auto curve = mean_curve(cells_by_method(analysis, "box").at("path"), Layer::total);
+    EXPECT_EQ(curve.back().seconds, 52);
+    EXPECT_EQ(curve.back().least_passes, 40u);
+    EXPECT_EQ(curve.back().most_passes, 64u);
+    analysis.references.push_back({.scene = "box"});
+    for (CellCheckpoint& c : analysis.cells[0].checkpoints)
+        c.errors[Layer::total].mse_corrected = 1;
+    for (CellCheckpoint& c : analysis.cells[1].checkpoints)
+        c.errors[Layer::total].mse_corrected = 1;
+    const auto points = report_data(analysis)["scenes"]["box"]["curves"]["total"][0]["points"];
+    EXPECT_NEAR(points.back()[2].get<double>(), std::sqrt(error2), 1e-9);
+    analysis.rows[0].least_passes = 40;
+    analysis.rows[0].most_passes = 64;
+    EXPECT_EQ(field_of(error_table(analysis), "passes"), "40 to 64");
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| 40 to 64 |"));
+}
+
+// The mean error of the final images is 4.8 %, but one of the seeds stands at 5.6 %.
+TEST(Times, SayThatNotAllSeedsHaveReachedAnError) {
+    std::vector<Cell> cells;
+    for (const auto& [seed, c] : {std::pair<std::uint64_t, double>{1, 0.1}, {2, 0.1}, {3, 0.2}})
+        cells.push_back(run_of("path", c, 1, 64, 0, seed));
+    const Analysis analysis = analysis_of(cells);
+    ASSERT_LT(analysis.rows[0].statistics->rel_mse_corrected, 0.0025);
+    EXPECT_EQ(line_of(time_field(analysis.rows[0], 1)), "not by all seeds (by 2 of 3)");
+    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_5pct"), "");
+    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_5pct_state"), "some seeds");
+}
+
+TEST(Bias, AClippedEstimateIsAnUpperBound) {
+    TableRow row = row_of("photon_mapper", Layer::total, Estimate{-0.05, Interval{-0.2, 0.171}}, 4);
+    row.statistics->variance = Estimate{0.95, {}};
+    EXPECT_EQ(line_of(bias_share_field(row), " %"), "below 18 %");
+    EXPECT_EQ(line_of(bias2_field(row)), "below 0.171");
+    row.is_unbiased = true;
+    EXPECT_EQ(line_of(bias_share_field(row)), "0 (unbiased)");
+}
+
+TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
+    Analysis analysis = analysis_of(runs("path", 1e-2, 1, 8));
+    analysis.references.push_back({.scene = "box"});
+    analysis.rows[0].bias = {{0.1, 1}};
+    const auto bias = [&] { return report_data(analysis)["scenes"]["box"]["spectra"]["total"][0]["bias"].size(); };
+    EXPECT_EQ(bias(), 1u);
+    analysis.rows[0].is_unbiased = true;
+    EXPECT_EQ(bias(), 0u);
+}
+
+// A fixed map's floor of 7 % does not show in a run that ends at 10 %: the fitted one is 0 without any scatter.
+TEST(Extrapolation, AFloorThatIsNotSeenIsNotKnownToBeNone) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    std::vector<Cell> cells;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        cells.push_back(run_of("photon_mapper", 0.06 * (1 + 0.05 * normal(random)), 1, 16, 0.0049, seed));
+        for (CellCheckpoint& c : cells.back().checkpoints)
+            c.errors[Layer::total].rel_mse_corrected *= 1 + 0.1 * normal(random);
+    }
+    const Analysis analysis = analysis_of(cells);
+    const Field time = time_field(analysis.rows[0], 1);
+    EXPECT_NE(time.state, State::extrapolated) << line_of(time);
+}
+
+// Points that scatter about a law may lie below its floor.
+TEST(Extrapolation, NoFloorIsAboveTheErrorOfItsRow) {
+    Analysis analysis = analysis_of(runs("quick", 1e-3, 0.5, 64, 9e-4));
+    ASSERT_EQ(time_field(analysis.rows[0], 3).state, State::never);
+    analysis.rows[0].statistics->rel_mse_corrected = 8e-4;
+    EXPECT_EQ(time_field(analysis.rows[0], 3).state, State::not_reached);
+}
+
+Cell busy(Cell cell, double waiting) {
+    cell.processor_seconds = 2 * cell.last().seconds;
+    cell.waiting_seconds = waiting * cell.processor_seconds;
+    return cell;
+}
+
+TEST(BusyMachine, IsSeenByThreadsThatWait) {
+    Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
+    for (Cell& cell : analysis.cells)
+        cell = busy(cell, 0.005);
+    EXPECT_FALSE(busy_machine(analysis, "box", "e.toml"));
+    analysis.cells[1] = busy(analysis.cells[1], 0.5);
+    const auto warning = busy_machine(analysis, "box", "e.toml");
+    ASSERT_TRUE(warning);
+    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("path: threads waited for 50 %"), Not(HasSubstr("vcm"))));
+    EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
+    analysis.warnings.push_back(*warning);
+    const std::string text = markdown_table(analysis);
+    EXPECT_LT(text.find("- box: Warning: the machine was busy"), text.find("## Each method")) << "before any number";
+}
+
+TEST(BusyMachine, IsSeenBySeedsWhosePassesTakeLonger) {
+    std::vector<Cell> cells = runs("path", 1e-2, 1, 8);
+    EXPECT_FALSE(busy_machine(analysis_of(cells), "box", "e.toml"));
+    cells[2] = run_of("path", 1e-2, 1.6, 12.8, 0, 3);
+    EXPECT_THAT(busy_machine(analysis_of(cells), "box", "e.toml")->sentence,
+                HasSubstr("a pass takes 1 s to 1.6 s, 8 passes"));
+}
+
+}  // namespace
+}  // namespace gib::test::sentences_test
