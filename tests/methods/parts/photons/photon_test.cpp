@@ -127,7 +127,7 @@ TEST(PhotonWalk, WallsAbsorbWhatTheLightEmits) {
     const std::string fog = "<medium name='interior' type='homogeneous'>" + rgb("sigma_s", "0.3, 1, 4") + "</medium>";
     for (const std::string& inside : {std::string(), fog}) {
         const auto room = Scene(element("sensor", "perspective", box_film(4)),
-                                shape("cube", flag("flip_normals"), diffuse("0.8, 0.5, 0.2")),
+                                shape("cube", flag("flip_normals"), one_sided("0.8, 0.5, 0.2")),
                                 shape("sphere", center(-0.4, 0, 0), radius(0.4), bsdf("dielectric"), inside),
                                 point_light(0.5, 0, 0.3, 1))
                               .load();
