@@ -10,9 +10,13 @@
 #include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
+#include "experiments/measuring/reference_makers.h"
+#include "experiments/metrics/contradiction.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -205,6 +209,61 @@ void drop_dark_scene(const std::string& scene, Analysis& analysis) {
                                      "is nothing to compare"});
 }
 
+/// Whether the reference consists of images of this method, so that a difference between them says nothing of the reference.
+bool has_made(const std::string& method, const Reference& reference) {
+    const auto makers = reference.metadata.find("makers"), only = reference.metadata.find("method");
+    if (makers == reference.metadata.end())
+        return only != reference.metadata.end() && MethodLabel::parse(only->second).name == method;
+    const auto shares = shares_in(makers->second);
+    return std::any_of(shares.begin(), shares.end(),
+                       [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
+}
+
+/// Leaves those components of the reference unresolved that images of its scene contradict (contradiction.h), and warns of them.
+/// `folders` are those of the last cells of the analysis.
+void drop_contradicted(const IndexScene& scene, Reference& reference, const std::vector<std::string>& folders,
+                       const ResultFolder& folder, Analysis& analysis) {
+    const std::size_t first = analysis.cells.size() - folders.size();
+    const Judgement judgement(reference);
+    const double error = relative_standard_error(judgement.is_empty() ? reference.total : judgement.total(),
+                                                 judgement.denominators(judgement.epsilon(analysis.index.epsilon)));
+    for (const auto& method : analysis.index.methods) {
+        if (analysis.index.is_external(method)) continue;
+        Replicates replicates;
+        for (std::size_t i = 0; i < folders.size(); ++i) {
+            if (analysis.cells[first + i].method != method) continue;
+            replicates.cells.push_back(&analysis.cells[first + i]);
+            replicates.images.push_back(components_in(read_image(folder.cell_image(folders[i]))));
+        }
+        if (replicates.cells.empty()) continue;
+        const Components left_out = components_missing(analysis.index, scene.name, method);
+        std::vector<Component> unbiased_for;
+        const bool is_other = !has_made(MethodLabel::parse(method).name, reference);
+        for (const Component c : all_components)
+            if (is_other && is_unbiased(plain_row(replicates, analysis.index, layer_of(c)), left_out))
+                unbiased_for.push_back(c);
+        for (const Contradiction& found : contradictions(reference, replicates.images, unbiased_for)) {
+            reference.unresolved.push_back(found.component);
+            analysis.warnings.push_back(
+                {.kind = Warning::Kind::reference_contradicted,
+                 .scene = scene.name,
+                 .layer = layer_of(found.component),
+                 .sentence = fmt::format("the reference is wrong: {} finds {}; {} is not judged", method, found.text(),
+                                         name_of(found.component)),
+                 .command = fmt::format("gibench reference '{}' --seed 2 --target {:.2g}% -o '{}.exr'", scene.path,
+                                        50 * error, scene.name)});
+        }
+    }
+}
+
+/// The times and laws of a total whose curves were judged with components that are no longer judged.
+void drop_times(TableRow& row) {
+    row.times = {};
+    row.reached = {};
+    row.law.reset();
+    row.last_halving.reset();
+}
+
 /// The rows of all methods of a scene. Returns whether an image has light in it.
 bool add_rows(const IndexScene& scene, const Reference& reference, const std::vector<std::string>& folders,
               const ResultFolder& folder, Analysis& analysis) {
@@ -243,8 +302,11 @@ bool add_rows(const IndexScene& scene, const Reference& reference, const std::ve
     return is_lit;
 }
 
-void add_scene(const IndexScene& scene, const Reference& reference, const ResultFolder& folder, Analysis& analysis) {
+void add_scene(const IndexScene& scene, Reference reference, const ResultFolder& folder, Analysis& analysis) {
     const auto folders = add_cells(scene, folder, analysis);
+    const std::size_t unresolved = reference.unresolved.size();
+    drop_contradicted(scene, reference, folders, folder, analysis);
+    const bool is_contradicted = reference.unresolved.size() > unresolved;
     const Judgement judgement(reference);
     analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
     if (!add_rows(scene, reference, folders, folder, analysis) && !folders.empty())
@@ -252,6 +314,11 @@ void add_scene(const IndexScene& scene, const Reference& reference, const Result
     for (auto& warning : {unlike_processors(analysis.cells, scene.name),
                           busy_machine(analysis, scene.name, experiment_file_of(folder))})
         if (warning) analysis.warnings.push_back(*warning);
+    if (is_contradicted) {
+        for (TableRow& row : analysis.rows)
+            if (row.scene == scene.name && row.layer == Layer::total) drop_times(row);
+        return;
+    }
     for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, judgement, folder))
         analysis.looks.push_back(std::move(look));
 }

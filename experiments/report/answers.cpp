@@ -196,7 +196,13 @@ ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::si
 }
 
 std::string sentence_of(const Warning& warning) {
-    const std::string help = warning.command.empty() ? "" : fmt::format(" `{}` measures it again.", warning.command);
+    const bool is_reference = warning.kind == Warning::Kind::reference_contradicted;
+    const std::string help =
+        warning.command.empty()
+            ? ""
+            : fmt::format(
+                  " `{}` {}.", warning.command,
+                  is_reference ? "makes a better one, to be given as `image` of `[reference]`" : "measures it again");
     return fmt::format("Warning: {}.{}", warning.sentence, help);
 }
 

@@ -109,7 +109,8 @@ std::string TuningRuns::make_reference(double seconds) {
     const Reference reference = read_reference(session_->folder.reference_image(scene.entry.name));
     const Judgement judgement(reference);
     const double target = parse_target(file_.target);
-    const double error = relative_standard_error(judgement.total(), judgement.epsilon(file_.head.epsilon));
+    const double error =
+        relative_standard_error(judgement.total(), judgement.denominators(judgement.epsilon(file_.head.epsilon)));
     if (judgement.is_empty()) return "the reference resolves no light of the scene";
     if (error <= most_reference_error * target) return "";
     const Experiment& head = file_.head;

@@ -56,6 +56,42 @@ TEST_F(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
     EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
 }
 
+class ContradictedReference : public ::testing::Test, protected ExperimentFolder {
+protected:
+    /// Scales the component of the result folder's reference of `tiny`.
+    void scale(Component c, float factor) {
+        const std::string path = ResultFolder(results("")).reference_image("tiny");
+        Reference reference = read_reference(path);
+        ReferenceLayer& layer = *reference.components[static_cast<std::size_t>(index_of(c))];
+        for (Image* image : {&layer.mean, &*layer.standard_error})
+            for (float& v : image->rgb)
+                v *= factor;
+        for (Image& group : layer.groups)
+            for (float& v : group.rgb)
+                v *= factor;
+        write_reference(path, reference);
+    }
+};
+
+TEST_F(ContradictedReference, IsToldOnTopAndItsComponentIsNotJudged) {
+    write("e.toml",
+          "title = 'Contradiction'\nscenes = ['tiny.xml']\nseeds = 5\n[reference]\nmethod = 'path'\ntarget = '1%'\n"
+          "[[method]]\nname = 'bidirectional'\nspp = 64\n[[method]]\nname = 'path'\nspp = 64\n");
+    ASSERT_THAT(gibench("run e.toml"), exits(0));
+    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("the reference is wrong")));
+
+    for (const float factor : {0.5f, 0.f}) {
+        scale(Component::direct, factor);
+        ASSERT_EQ(gibench("report results/e").code, 0);
+        const std::string text = read_file(results("table.md"));
+        EXPECT_THAT(text, HasSubstr("Warning: the reference is wrong: bidirectional spp=64 finds light of direct"));
+        EXPECT_LT(text.find("the reference is wrong"), text.find("## Errors"));
+        const CsvTable rows = table();
+        for (std::size_t i = 0; i < rows.rows.size(); ++i)
+            EXPECT_EQ(field_of(rows, "rel_mse", i).empty(), rows.rows[i][2] == "direct") << rows.rows[i][2];
+    }
+}
+
 class UnjudgedLight : public ::testing::Test, protected ExperimentFolder {
 protected:
     /// table.md of an experiment with this reference and these methods on a glass ball over a floor in the sun: the sun's
