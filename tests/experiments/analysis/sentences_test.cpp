@@ -119,7 +119,7 @@ TEST(Curves, EndWhereTheTableEnds) {
     EXPECT_EQ(curve.back().seconds, 52);
     EXPECT_EQ(curve.back().least_passes, 40u);
     EXPECT_EQ(curve.back().most_passes, 64u);
-    analysis.references.push_back({.scene = "box"});
+    analysis.references.push_back({.scene = "box", .method = "path"});
     for (CellCheckpoint& c : analysis.cells[0].checkpoints)
         c.errors[Layer::total].mse_corrected = 1;
     for (CellCheckpoint& c : analysis.cells[1].checkpoints)
@@ -155,7 +155,7 @@ TEST(Bias, AClippedEstimateIsAnUpperBound) {
 
 TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
     Analysis analysis = analysis_of(runs("path", 1e-2, 1, 8));
-    analysis.references.push_back({.scene = "box"});
+    analysis.references.push_back({.scene = "box", .method = "path"});
     analysis.rows[0].bias = {{0.1, 1}};
     const auto bias = [&] { return report_data(analysis)["scenes"]["box"]["spectra"]["total"][0]["bias"].size(); };
     EXPECT_EQ(bias(), 1u);
