@@ -72,7 +72,7 @@ private:
         };
         const Sampler camera_numbers = sampler.split(0, 1, from_camera);
         NumberStream flights(camera_numbers);
-        add(sample_light_from_camera(rays, paths_, splats_, camera_numbers.at_vertex(0), flights));
+        add(sample_light_from_camera(rays, paths_, splats_, false, camera_numbers.at_vertex(0), flights));
         const auto start = follows_ ? paths_.emission.sample(sampler) : std::nullopt;
         if (!start) return;
         LightWalk(rays, sampler, paths_, rules_, *start,

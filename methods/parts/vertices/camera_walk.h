@@ -122,13 +122,13 @@ private:
              paths_.emission.density(hit.light, hit.p, walk_.wo(), static_cast<float>(cosine)));
     }
     /// A light of radiance Le is found. The density of this find by light sampling is `sampling`, in the unit of
-    /// TechniqueSums::other_than_hit(), and the emission's is `emission`. Light that the camera sees without scattering
-    /// is found by the camera's walk alone.
+    /// TechniqueSums::other_than_hit(), and the emission's is `emission`. Light that the camera sees without scattering is
+    /// sampled from the camera, too (sample_light_from_camera()), unless its rays are parallel.
     void find(const Color& Le, double sampling, double emission) {
         if (is_black(Le)) return;
         const PathState& path = walk_.at;
-        const double others =
-            path.vertex == 0 ? 0 : sums_.other_than_hit(sampling, emission, rules_.used);  // (42), (43)
+        const bool is_alone = path.vertex == 0 && scene_.sensor().is_orthographic();
+        const double others = is_alone ? 0 : sums_.other_than_hit(sampling, emission, rules_.used);  // (42), (43)
         found_(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
     }
 

@@ -148,7 +148,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
 }
 
 std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths& paths, const SplatFilm& film,
-                                              const VertexNumbers& u, NumberStream& flights) {
+                                              bool is_found_too, const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const Sensor& sensor = scene.sensor();
     if (sensor.is_orthographic() || sensor.hides_emitters()) return std::nullopt;
@@ -167,6 +167,9 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
     Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
     splat.connection.light[Component::emission] =
         light->Le * visible * static_cast<float>(seen->density / double{light->pdf_w});
+    // Of the walk's samples, `count` in a pass, this direction gets ray_density() a steradian; of these, count pdf_w.
+    const double by_walk = sensor.ray_density(seen->view.ray.d) / (paths.count * double{light->pdf_w});
+    if (is_found_too) splat.connection.weight = static_cast<float>(1 / (1 + squared(by_walk)));
     return splat;
 }
 

@@ -59,10 +59,16 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t light_path = 1;  ///< tag of the light path's numbers
+    static constexpr std::uint64_t light_path = 1,
+                                   light_in_view = 2;  ///< tags of the light path's numbers, and of this point's
 
-    /// Connects the vertices of the pixel's light path to the camera, and keeps them.
+    /// Connects a point of a light and the vertices of the pixel's light path to the camera, and keeps the vertices.
     void follow_light(RayQueries& rays, const Sampler& sampler) {
+        if (used_.camera && used_.light_sampling) {
+            const Sampler numbers = sampler.split(0, 1, light_in_view);
+            NumberStream flights(numbers);
+            splat(sample_light_from_camera(rays, pass_.paths, pass_.splats, true, numbers.at_vertex(0), flights), 1);
+        }
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         const auto start = pass_.paths.emission.sample(light_sampler);
         if (!start) return;
