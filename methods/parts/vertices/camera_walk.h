@@ -112,22 +112,23 @@ private:
         if (!finds_lights() || !scene_.environment()) return;
         const Vec3& w = walk_.ray.ray.d;
         find(scene_.environment_radiance(w), double{scene_.environment_pdf_w(walk_.lit_previous(), w)},
-             paths_.emission.density(scene_.environment_index(), walk_.at.previous, -w, 1.f));
+             paths_.emission.density(scene_.environment_index(), walk_.at.previous, -w, 1.f), false);
     }
     void find_emitter(const SurfaceHit& hit, double cosine) {
         if (!finds_lights() || !hit.emitter) return;
         const Vec3& from = walk_.at.previous;
         const double per_area = cosine / double{(hit.p - from).squaredNorm()};
         find(hit.Le(walk_.wo()), double{scene_.light_pdf_w(walk_.lit_previous(), hit)} * per_area,
-             paths_.emission.density(hit.light, hit.p, walk_.wo(), static_cast<float>(cosine)));
+             paths_.emission.density(hit.light, hit.p, walk_.wo(), static_cast<float>(cosine)),
+             !scene_.sensor().is_orthographic());
     }
     /// A light of radiance Le is found. The density of this find by light sampling is `sampling`, in the unit of
-    /// TechniqueSums::other_than_hit(), and the emission's is `emission`. Light that the camera sees without scattering is
-    /// sampled from the camera, too (sample_light_from_camera()), unless its rays are parallel.
-    void find(const Color& Le, double sampling, double emission) {
+    /// TechniqueSums::other_than_hit(), and the emission's is `emission`. `is_sampled_in_view`: sample_light_from_camera()
+    /// finds it, too, if the camera sees it without scattering.
+    void find(const Color& Le, double sampling, double emission, bool is_sampled_in_view) {
         if (is_black(Le)) return;
         const PathState& path = walk_.at;
-        const bool is_alone = path.vertex == 0 && scene_.sensor().is_orthographic();
+        const bool is_alone = path.vertex == 0 && !is_sampled_in_view;
         const double others = is_alone ? 0 : sums_.other_than_hit(sampling, emission, rules_.used);  // (42), (43)
         found_(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
     }

@@ -155,6 +155,7 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
     const Vec2 lens = u.bsdf_direction();
     const auto light = scene.sample_light(sensor.lens_point(lens), u.light_choice(), u.light_position());
     if (!light || light->delta || is_black(light->Le)) return std::nullopt;
+    if (is_found_too && !std::isfinite(light->distance)) return std::nullopt;
     const auto seen = view_of(sensor, light->target, {lens, u.roulette()}, !std::isfinite(light->distance));
     if (!seen) return std::nullopt;
     film.prefetch(seen->pixel, Component::emission);

@@ -49,7 +49,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
                                        const SplatFilm& film, const CameraNumbers& u, NumberStream& flights);
 
 /// A point of a light that is sampled from the camera itself, in the unit of the function above. `is_found_too`: the camera's
-/// walk finds the light by itself as well; if not, the weight is 1.
+/// walk finds the light by itself as well, and alone if it is the environment; if not, the weight is 1.
 std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths& paths, const SplatFilm& film,
                                               bool is_found_too, const VertexNumbers& u, NumberStream& flights);
 
