@@ -2,8 +2,8 @@
 // Tests whether the makers of a reference agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole image
 // (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
 
+#include "experiments/measuring/contradiction.h"
 #include "experiments/metrics/block_sums.h"
-#include "experiments/metrics/contradiction.h"
 
 #include "common/images/image.h"
 

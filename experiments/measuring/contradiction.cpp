@@ -1,4 +1,4 @@
-#include "experiments/metrics/contradiction.h"
+#include "experiments/measuring/contradiction.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ namespace {
 /// Significance level of one component of one method. An experiment has up to a hundred of them.
 constexpr double contradiction_alpha = 1e-4;
 
-bool has(const std::vector<Component>& list, Component c) {
+bool contains(const std::vector<Component>& list, Component c) {
     return std::find(list.begin(), list.end(), c) != list.end();
 }
 
@@ -51,14 +51,14 @@ std::vector<Contradiction> contradictions(const Reference& reference, const std:
         std::vector<Image> images;
         for (const ComponentImages& image : replicates)
             if (image[c]) images.push_back(*image[c]);
-        if (!layer || images.empty() || has(reference.unresolved, c)) continue;
+        if (!layer || images.empty() || contains(reference.unresolved, c)) continue;
         if (is_black(layer->mean)) {
             const auto is_lit = [](const Image& image) { return !is_black(image); };
             if (std::any_of(images.begin(), images.end(), is_lit)) found.push_back({c, true, {}});
             continue;
         }
         const auto is_finite = [](const Image& image) { return image.non_finite_values() == 0; };
-        if (images.size() < 2 || !has(unbiased_for, c) || !std::all_of(images.begin(), images.end(), is_finite))
+        if (images.size() < 2 || !contains(unbiased_for, c) || !std::all_of(images.begin(), images.end(), is_finite))
             continue;
         if (const auto where = significant_difference(layer_of_groups(std::move(images)), *layer, contradiction_alpha,
                                                       Differing::brighter))
