@@ -165,33 +165,23 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
 
 namespace {
 
-/// Estimates the seconds that a cell takes: those of the last one of its scene and method, else the mean of all.
+/// Estimates the seconds that cells take: those of the last one of the same scene and method.
 class CostModel {
 public:
-    void add(const CellIdentity& cell, double seconds) {
-        known_[{cell.scene, cell.method}] = seconds;
-        sum_ += seconds;
-        ++count_;
-    }
-    std::optional<double> of(const CellIdentity& cell) const {
-        if (const auto found = known_.find({cell.scene, cell.method}); found != known_.end()) return found->second;
-        return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
-    }
-    /// The seconds of cells from number `first` on; empty if one is not known.
-    std::optional<double> of(const std::vector<const WorkCell*>& cells, std::size_t first) const {
+    void add(const CellIdentity& cell, double seconds) { known_[{cell.scene, cell.method}] = seconds; }
+    /// The seconds of the cells from number `first` to before `last`; empty if one is not known.
+    std::optional<double> of(const std::vector<const WorkCell*>& cells, std::size_t first, std::size_t last) const {
         double all = 0;
-        for (std::size_t i = first; i < cells.size(); ++i) {
-            const auto one = of(cells[i]->identity);
-            if (!one) return std::nullopt;
-            all += *one;
+        for (std::size_t i = first; i < last; ++i) {
+            const auto found = known_.find({cells[i]->identity.scene, cells[i]->identity.method});
+            if (found == known_.end()) return std::nullopt;
+            all += found->second;
         }
         return all;
     }
 
 private:
     std::map<std::pair<std::string, std::string>, double> known_;
-    double sum_ = 0;
-    int count_ = 0;
 };
 
 /// The share of a cell's work that is done, by the limit (spp, passes or seconds) that is nearest.
@@ -217,9 +207,9 @@ void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, Pr
         const WorkCell& cell = *cells[i];
         const auto show = [&](std::uint32_t passes, double seconds) {
             const double share = share_done(cell.identity, passes, seconds);
-            auto left = passes > 0 ? std::optional(seconds * (1 / share - 1)) : costs.of(cell.identity);
+            auto left = passes > 0 ? std::optional(seconds * (1 / share - 1)) : costs.of(cells, i, i + 1);
             // Cells for which no time will be left do not count.
-            auto after = costs.of(cells, i + 1);
+            auto after = costs.of(cells, i + 1, cells.size());
             if (after && stop.seconds_left)
                 after = std::min(*after, std::max(0.0, stop.seconds_left() - left.value_or(0)));
             if (left && after) *left += *after;

@@ -163,7 +163,7 @@ private:
                 if (i == 0 || trials[i].time.cost() <= close_enough * trials.front().time.cost())
                     candidates.push_back({.method = m,
                                           .setting = trials[i].setting,
-                                          .role = FinalSetting::best,
+                                          .is_best = true,
                                           .budget = ample * trials[i].time.cost()});
         }
         const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
@@ -182,8 +182,7 @@ private:
         std::vector<FinalSetting> all;
         for (const FinalSetting& best : result_.finals) {
             const SearchSpace& space = result_.methods[best.method].space;
-            if (space.defaults() != best.setting)
-                all.push_back({.method = best.method, .setting = space.defaults(), .role = FinalSetting::defaults});
+            if (space.defaults() != best.setting) all.push_back({.method = best.method, .setting = space.defaults()});
         }
         const FinalSetting& first = result_.finals.front();
         const SearchSpace& space = result_.methods[first.method].space;
@@ -249,7 +248,7 @@ private:
         for (std::size_t i = 0; i < labels.size(); ++i) {
             FinalSetting& f = result_.finals[i];
             const auto searched = searched_.find(labels[i].text());
-            f.is_fresh = f.role != FinalSetting::best || !cells[i].empty() || searched == searched_.end();
+            f.is_fresh = !f.is_best || !cells[i].empty() || searched == searched_.end();
             if (!f.is_fresh) cells[i] = {searched->second};
             f.verdict = verdict_of(cells[i], target_, result_.methods[f.method].is_unbiased);
         }

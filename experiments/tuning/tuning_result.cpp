@@ -54,7 +54,7 @@ json parameters_of(const SearchSpace& space) {
 
 const FinalSetting* TuningResult::best() const {
     for (const FinalSetting& f : finals)
-        if (f.role == FinalSetting::best && f.verdict.state == Verdict::measured) return &f;
+        if (f.is_best && f.verdict.state == Verdict::measured) return &f;
     return nullptr;
 }
 
@@ -120,10 +120,10 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
     for (const auto& [error, seconds] : result.along_the_way)
         lines.push_back(fmt::format("seconds to {:g} %: {}", 100 * error, with_interval(seconds)));
     for (const FinalSetting& of_method : result.finals) {
-        if (of_method.role != FinalSetting::best || of_method.verdict.state != Verdict::measured) continue;
+        if (!of_method.is_best || of_method.verdict.state != Verdict::measured) continue;
         const SearchSpace& space = result.methods[of_method.method].space;
         for (const FinalSetting& f : result.finals)
-            if (f.method == of_method.method && f.role != FinalSetting::best)
+            if (f.method == of_method.method && !f.is_best)
                 lines.push_back(fmt::format("{} with {}: {}", space.base().text(),
                                             difference(space, f.setting, of_method.setting),
                                             factor_text(f, of_method)));
@@ -139,15 +139,14 @@ std::string tuning_text(const TuningResult& result) {
     for (const auto& note : result.notes)
         text += "cut: " + note + "\n";
     for (const FinalSetting& f : result.finals)
-        if (f.role == FinalSetting::best)
-            text += fmt::format("{}: {}\n", label_to_paste(result, f), verdict_text(result, f));
+        if (f.is_best) text += fmt::format("{}: {}\n", label_to_paste(result, f), verdict_text(result, f));
     return text;
 }
 
 std::string tuning_json(const TuningResult& result) {
     json methods = json::array(), best = nullptr;
     for (const FinalSetting& f : result.finals) {
-        if (f.role != FinalSetting::best) continue;
+        if (!f.is_best) continue;
         if (&f == result.best()) best = methods.size();
         const TunedMethod& method = result.methods[f.method];
         const Interval interval = f.verdict.seconds.interval.value_or(Interval{NAN, NAN});

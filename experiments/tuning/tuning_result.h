@@ -20,8 +20,8 @@ struct TunedMethod {
 struct FinalSetting {
     std::size_t method;  ///< index of its TunedMethod
     Setting setting;
-    enum Role { best, defaults, neighbour } role = neighbour;  ///< why it has final runs
-    double budget = 0;                                         ///< longest time of a run [s]
+    bool is_best = false;  ///< the best one of its method; else it shows what other settings take
+    double budget = 0;     ///< longest time of a run [s]
     Verdict verdict = {};
     bool is_fresh = true;  ///< false: no time was left for final runs, and the verdict is that of the search's run
 };

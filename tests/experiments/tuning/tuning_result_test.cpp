@@ -40,11 +40,11 @@ TuningResult example() {
     more[0] = 2e4;
     half[1] = 25;
     result.methods[0].trials = {{few, {1, true}}, {defaults, {3, false}}, {half, {}}};
-    result.finals = {{0, few, FinalSetting::best, 6, verdict(1)},
-                     {1, {}, FinalSetting::best, 6, verdict(9)},
-                     {0, defaults, FinalSetting::defaults, 6, verdict(3)},
-                     {0, more, FinalSetting::neighbour, 6, verdict(1.002)},
-                     {0, half, FinalSetting::neighbour, 6, verdict(1.5)}};
+    result.finals = {{0, few, true, 6, verdict(1)},
+                     {1, {}, true, 6, verdict(9)},
+                     {0, defaults, false, 6, verdict(3)},
+                     {0, more, false, 6, verdict(1.002)},
+                     {0, half, false, 6, verdict(1.5)}};
     result.notes = {"the search ended early"};
     return result;
 }
@@ -103,7 +103,7 @@ TEST(TuningResult, HasAVerdictWhereNoMethodHasReachedTheTarget) {
                 ContainsRegex("^path spp=10[01]: 10% after 9.00 \\(.*\\) s, extrapolated from 17.7 % after 2.88 s$"));
     result.finals[1].verdict.seconds.interval = Interval{17.9, INFINITY};
     EXPECT_THAT(tuning_text(result), HasSubstr("10% after at least 17.9 s, extrapolated from 17.7 % after 2.88 s"));
-    result.finals[1] = {1, {}, FinalSetting::best, 6, verdict(9), false};
+    result.finals[1] = {1, {}, true, 6, verdict(9), false};
     EXPECT_THAT(tuning_text(result), HasSubstr(" s, measured, by the run that chose it\n"));
     result.finals[1].verdict = {};
     EXPECT_THAT(tuning_text(result), HasSubstr("path: no run was measured\n"));
