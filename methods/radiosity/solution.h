@@ -2,13 +2,11 @@
 // Solutions of X = B1 + rho K X (system.h).
 //
 // By iteration, as Hanrahan et al. 1991 solve over links: each product with K adds the light of one more reflection,
-// X_n = B1 + rho K B1 + ... + (rho K)^(n - 1) B1, a partial sum of the Neumann series. It stops where another
-// reflection adds little, or where the limit on the length of paths does. With a limit the sum exists even in a closed
-// scene that absorbs nothing.
+// X_n = B1 + rho K B1 + ... + (rho K)^(n - 1) B1, until another one adds little or paths are as long as allowed. With
+// such a limit the sum exists even in a closed scene that absorbs nothing.
 //
-// Directly, as Goral et al. 1984 solve: the matrix is (1 - rho_i F_ij). With D = sqrt(rho / A) and X = D Y the system is
-// (1 - D G D) Y = D A E_direct, whose matrix is symmetric and positive definite, so Cholesky's factors take the place
-// of Gauss's elimination.
+// Directly, as Goral et al. 1984 solve: the matrix is (1 - rho_i F_ij). With D = sqrt(rho / A) and X = D Y it becomes
+// symmetric, (1 - D G D) Y = D A E_direct, so Cholesky's factors take the place of Gauss's elimination.
 
 #include "methods/radiosity/system.h"
 
