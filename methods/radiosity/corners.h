@@ -1,7 +1,6 @@
 #pragma once
-// The display of a solution. The plain one interpolates values at the corners of patches: a corner takes the mean of the
-// patches around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one gathers once more from the
-// patches by rays (view.cpp), which needs no corners.
+// The plain display of a solution interpolates values at the corners of patches: a corner takes the mean of the patches
+// around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one, by rays, is in view.cpp.
 
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/radiosity/system.h"
