@@ -86,7 +86,7 @@ class SlurmTest(unittest.TestCase):
         return self.gibench(folder, "run", "e.toml", "--on", "slurm", "--threads", "1", "--out", "out", *options)
 
     def wait(self):
-        self.cluster.wait_for(lambda: not self.cluster.output("squeue", "--noheader"), "the jobs", 80)
+        self.cluster.wait_for(lambda: not self.cluster.output("squeue", "--noheader"), "the jobs", 240)
 
     def counts(self, folder, code=0):
         """The numbers of `gibench status`, by their names."""
