@@ -124,6 +124,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
                                                   .seconds = point.seconds,
                                                   .relative_rmse = error_field(error2, contest.noise_floor()),
                                                   .ties = {},
+                                                  .open = {},
                                                   .one_seed = point.relative.size() < 2});
             }
         std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
@@ -133,7 +134,9 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
         for (auto& [seconds, error2, point] : points) {
             if (!(error2 < best)) continue;
             best = error2;
-            point.ties = ties_with(point.method, contest.after(seconds));
+            const auto ranking = contest.after(seconds);
+            point.ties = ties_with(point.method, ranking);
+            point.open = those(ranking, Standing::open);
             frontier.push_back(std::move(point));
         }
     }

@@ -29,6 +29,7 @@ struct FrontierPoint {
     double seconds;                 ///< mean over the seeds
     Field relative_rmse;            ///< of the total
     std::vector<std::string> ties;  ///< methods that cannot be told from this one at that time
+    std::vector<std::string> open;  ///< methods that were not run until then
     bool one_seed;
 };
 /// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is

@@ -71,10 +71,11 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
         const std::string sign = analysis.index.is_external(method) ? "" : sign_of(cells);
         if (sign.empty()) continue;
         methods.push_back(method);
-        signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);
+        if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);
     }
     if (methods.empty()) return std::nullopt;
-    // One method is named by its label; several share the words of --only, which are those of the scene.
+    if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
+    // One method is named by its label; --only names several of them by their scene.
     return Warning{.kind = Warning::Kind::busy_machine,
                    .scene = scene,
                    .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),

@@ -121,7 +121,7 @@ ErrorLaw law_with_floor(const Curve& curve, double start, double floor) {
         factor = std::max(ab / bb, 0.0);
         return aa - 2 * factor * ab + sqr(factor) * bb;
     };
-    const double log_slope = least_argument(residual, 8, 24);
+    const double log_slope = least_argument(residual, 8, 36);
     residual(log_slope);
     const double slope = std::exp(log_slope);
     return {.floor = floor, .factor = factor * std::pow(unit, slope), .slope = slope, .start = start};
@@ -264,7 +264,8 @@ Estimate PriceLaw::error2_after(double seconds, bool has_no_floor) const {
                                 [seconds](const ErrorLaw& one) { return std::optional(one.error2(seconds)); });
     if (!e || !slope.interval) return {best.error2(seconds), std::nullopt};
     if (has_no_floor) return *e;
-    return {e->value, Interval{std::min(e->interval->lo, floorless.error2(seconds)),
+    const double lowest = std::min(e->interval->lo, floorless.error2(seconds));
+    return {e->value, Interval{std::max(lowest, floor.interval ? floor.interval->lo : 0),
                                std::max(e->interval->hi, ceiling.error2(seconds))}};
 }
 

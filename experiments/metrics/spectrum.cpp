@@ -16,7 +16,10 @@ namespace {
 
 using Field = std::vector<double>;  // one value a pixel, row 0 on top
 
-constexpr double pooling_sigma = 8;     // [pixels], of the Gaussian over which the variance is pooled
+/// The Gaussian over which the variance is pooled has this standard deviation [pixels], or more for smooth noise, over
+/// which it would follow the noise itself: over 8 pixels, noise of 3 pixels has a centroid that is 2.6 % too high. A
+/// centroid of f takes smooth_pooling / f, but at most the share largest_pooling of the image.
+constexpr double pooling_sigma = 8, smooth_pooling = 0.6, largest_pooling = 0.25;
 constexpr double edge_contrast = 0.25;  // [-] pixels with a larger relative change of brightness are masked
 constexpr double low_frequency = 0.1;   // [cycles per pixel]
 
@@ -135,13 +138,13 @@ Field autocorrelation(const std::vector<Field>& fields, Size size) {
     return inverse(std::move(power), padded);
 }
 
-/// Blurs the rows of a field, which counts as zero outside of the image, with the pooling Gaussian, and transposes
+/// Blurs the rows of a field, which counts as zero outside of the image, with a Gaussian, and transposes
 /// the result.
-Field blurred_transposed(const Field& field, Size size) {
-    constexpr auto reach = static_cast<std::ptrdiff_t>(4 * pooling_sigma);
+Field blurred_transposed(const Field& field, Size size, double sigma) {
+    const auto reach = static_cast<std::ptrdiff_t>(4 * sigma);
     std::vector<double> kernel;
     for (std::ptrdiff_t d = -reach; d <= reach; ++d)
-        kernel.push_back(std::exp(-0.5 * sqr(static_cast<double>(d) / pooling_sigma)));
+        kernel.push_back(std::exp(-0.5 * sqr(static_cast<double>(d) / sigma)));
     Field result(field.size());
     const auto width = static_cast<std::ptrdiff_t>(size.width);
     parallel_blocks(size.height, 16, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -157,8 +160,8 @@ Field blurred_transposed(const Field& field, Size size) {
     return result;
 }
 
-Field blurred(const Field& field, Size size) {
-    return blurred_transposed(blurred_transposed(field, size), {size.height, size.width});
+Field blurred(const Field& field, Size size, double sigma) {
+    return blurred_transposed(blurred_transposed(field, size, sigma), {size.height, size.width}, sigma);
 }
 
 /// A mask that is 0 where the brightness changes by more than the share `edge_contrast` from one side of a pixel to
@@ -197,7 +200,7 @@ struct WhitenedNoise {
 };
 
 /// The channels are averaged first, so that every pixel has variance 1 however its channels are correlated.
-WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& reference) {
+WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& reference, double sigma) {
     const Size size = size_of(reference);
     const auto n = static_cast<double>(images.size());
     WhitenedNoise noise{{}, away_from_edges(reference)};
@@ -219,7 +222,7 @@ WhitenedNoise whitened_noise(const std::vector<Image>& images, const Image& refe
         variance[p] *= noise.mask[p];
     }
     // Division by the blurred mask normalises: a pixel beside a masked area pools fewer pixels instead of zeros.
-    const Field pooled = blurred(variance, size), weight = blurred(noise.mask, size);
+    const Field pooled = blurred(variance, size, sigma), weight = blurred(noise.mask, size, sigma);
     for (Field& x : noise.replicates)
         for (std::size_t p = 0; p < size.pixels(); ++p)
             x[p] = noise.mask[p] > 0 ? x[p] / std::sqrt(pooled[p] / weight[p]) : 0;
@@ -325,14 +328,11 @@ Field power_through_mask(const Correlations& correlations, Size size, std::vecto
     return power;
 }
 
-}  // namespace
-
-std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates, const Image& reference) {
-    for (const Image& x : replicates)
-        if (!x.same_size(reference)) throw InputError("noise spectrum: the images differ in size from the reference");
-    if (replicates.size() < 3 || reference.pixels() < 2) return std::nullopt;
+/// noise_spectrum() with the variance pooled over a Gaussian of `sigma` pixels.
+std::optional<NoiseSpectrum> pooled_spectrum(const std::vector<Image>& replicates, const Image& reference,
+                                             double sigma) {
     const Size size = size_of(reference);
-    const WhitenedNoise noise = whitened_noise(replicates, reference);
+    const WhitenedNoise noise = whitened_noise(replicates, reference, sigma);
     if (std::none_of(noise.mask.begin(), noise.mask.end(), [](double kept) { return kept > 0; })) return std::nullopt;
     const Correlations correlations(noise.replicates, noise.mask, size);
     const Field power = power_through_mask(correlations, size, flat_top);
@@ -351,6 +351,20 @@ std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates
     const double low_ratio = low_count > 0 ? low / sum * count / low_count : std::numeric_limits<double>::quiet_NaN();
     return NoiseSpectrum{radial(power_through_mask(correlations, size, hann_correlation), size), moment / sum,
                          low_ratio};
+}
+
+}  // namespace
+
+std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates, const Image& reference) {
+    for (const Image& x : replicates)
+        if (!x.same_size(reference)) throw InputError("noise spectrum: the images differ in size from the reference");
+    if (replicates.size() < 3 || reference.pixels() < 2) return std::nullopt;
+    const auto spectrum = pooled_spectrum(replicates, reference, pooling_sigma);
+    const double largest = largest_pooling * std::min(reference.width, reference.height);
+    if (!spectrum || !(spectrum->centroid * pooling_sigma < smooth_pooling) || largest <= pooling_sigma)
+        return spectrum;
+    const double needed = spectrum->centroid > 0 ? smooth_pooling / spectrum->centroid : largest;
+    return pooled_spectrum(replicates, reference, std::min(needed, largest));
 }
 
 std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, const ReferenceLayer& reference) {

@@ -64,7 +64,7 @@ std::vector<LookWords> look_words(const Analysis& analysis, const std::string& s
             words.is_best = c.standing == Standing::best;
             words.is_tie = c.standing == Standing::tie;
         }
-        if (look->flip) words.flip = measured(*look->flip);
+        if (look->flip && look->error2) words.flip = measured(*look->flip);
         words.missing = left_out(*total);
         words.energy = different_energy(analysis, *look);
         words.shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "", look->passes,

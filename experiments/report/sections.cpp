@@ -239,7 +239,7 @@ Section frontier_section(const Analysis& analysis) {
                                             {p.relative_rmse},
                                             {passes_text(p.least_passes, p.most_passes)},
                                             method_entry(p.method, p.method),
-                                            {doubts(p.ties, {}, p.one_seed)}}});
+                                            {doubts(p.ties, p.open, p.one_seed)}}});
     return section;
 }
 

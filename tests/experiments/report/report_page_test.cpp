@@ -162,7 +162,7 @@ TEST_F(ReportPageTest, TitlesAndDataDoNotBreakThePage) {
     EXPECT_EQ(curve.at("method"), 1);
     EXPECT_EQ(curve.at("stops"), json({8}));
     ASSERT_FALSE(curve.at("points").empty());
-    EXPECT_EQ(curve["points"][0].size(), 8u);
+    EXPECT_EQ(curve["points"][0].size(), 9u);
 }
 
 TEST_F(ReportPageTest, HoldsThePixelsOfTheImages) {

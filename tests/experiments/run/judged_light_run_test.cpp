@@ -56,6 +56,32 @@ TEST_F(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
     EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
 }
 
+// Three black images of an unbiased method tell no interval of what it makes on average: rare bright paths are missing in
+// all of them.
+TEST_F(FootingRun, EqualImagesOfAnUnbiasedMethodTellNothing) {
+    write("e.toml",
+          "title = 'Footing'\nscenes = ['tiny.xml']\nseeds = 3\n[reference]\ntarget = '5%'\n"
+          "[[method]]\nname = 'path'\nspp = [16, 32]\n");
+    ASSERT_THAT(gibench("run e.toml"), exits(0));
+    brighten(results(""), "path spp=32", 0.f);
+    ASSERT_EQ(gibench("report results/e").code, 0);
+    EXPECT_THAT(footings("path spp=32"), AllOf(Contains("total unresolved"), Not(Contains(HasSubstr("differs")))));
+    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("Warning: path spp=32")));
+}
+
+TEST_F(FootingRun, AnExperimentWithoutLightHasNoTable) {
+    write("dark.xml", Scene(element("sensor", "perspective", to_world(look_at("0, 2, 3", "0, 0, 0")), box_film(8)),
+                            shape("sphere", radius(0.5), diffuse(0.5)))
+                          .xml());
+    write("e.toml",
+          "title = 'Dark'\nscenes = ['dark.xml']\nseeds = 2\n[reference]\nmethod = 'path'\nseconds = 1\n"
+          "[[method]]\nname = 'path'\nspp = 4\n[[method]]\nname = 'vcm'\nspp = 4\n");
+    ASSERT_EQ(gibench("run e.toml").code, 0);
+    EXPECT_THAT(read_file(results("table.md")),
+                AllOf(HasSubstr("- dark: Warning: the scene has no light"), Not(HasSubstr("| dark |"))));
+    EXPECT_TRUE(table().rows.empty());
+}
+
 class ContradictedReference : public ::testing::Test, protected ExperimentFolder {
 protected:
     /// Scales the component of the result folder's reference of `tiny`.
