@@ -260,10 +260,11 @@ private:
         e_.children.push_back(std::move(other));
     }
 
-    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong together, when it is read.
+    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong or ward together, when it is read.
     void upgrade_reflectances() {
         const XmlElement* ensured = property(e_, "ensure_energy_conservation");
-        const bool scales = !is(e_, "bsdf", "phong") && (!ensured || parse_boolean(ensured->required("value")));
+        const bool scales = !is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward") &&
+                            (!ensured || parse_boolean(ensured->required("value")));
         drop(e_, {"ensure_energy_conservation"});
         if (!scales) return;
         for (const std::string_view name :
