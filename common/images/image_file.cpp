@@ -1,5 +1,6 @@
 #include "common/images/image_file.h"
 
+#include "common/color/cie.h"
 #include "common/color/srgb.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
@@ -26,6 +27,14 @@ namespace gib {
 namespace {
 
 constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"};
+constexpr std::array<const char*, 3> xyz_names = {"X", "Y", "Z"};
+
+/// A layer of a file: the indices of its three channels (for grey, one channel three times).
+struct StoredLayer {
+    std::string name;
+    std::array<int, 3> channels;
+    bool is_xyz = false;  ///< CIE 1931 XYZ instead of R, G, B
+};
 
 std::string channel_name(const std::string& layer, const std::string& channel) {
     return layer.empty() ? channel : layer + "." + channel;
@@ -76,8 +85,8 @@ void require_display_window(const StoredImage& stored, const std::string& path) 
                                            size_text(display.width, display.height) + ": a cropped image");
 }
 
-/// Three channels (for grey, one channel three times) as an image of the display window.
-Image take_channels(const StoredImage& stored, const std::array<int, 3>& channels) {
+/// A layer as an image of the display window, in linear RGB.
+Image take_channels(const StoredImage& stored, const StoredLayer& layer) {
     const auto& [data, display] = std::tie(stored.data, stored.display);
     Image image(display.width, display.height);
     for (int y = 0; y < image.height; ++y)
@@ -87,10 +96,13 @@ Image take_channels(const StoredImage& stored, const std::array<int, 3>& channel
             const std::size_t from = (row * static_cast<std::size_t>(data.width) + column) * stored.channels.size();
             const std::size_t to =
                 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+            Color value;
             for (std::size_t k = 0; k < 3; ++k) {
-                const float v = stored.values[from + static_cast<std::size_t>(channels[k])];
-                image.rgb[to + k] = stored.srgb ? linear_from_srgb(v) : v;
+                const float v = stored.values[from + static_cast<std::size_t>(layer.channels[k])];
+                value[static_cast<Eigen::Index>(k)] = stored.srgb ? linear_from_srgb(v) : v;
             }
+            if (layer.is_xyz) value = rgb_of_xyz(value.cast<double>()).cast<float>();
+            std::copy(value.begin(), value.end(), image.rgb.begin() + static_cast<std::ptrdiff_t>(to));
         }
     return image;
 }
@@ -100,25 +112,49 @@ int channel_index(const std::vector<std::string>& names, const std::string& name
     return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-/// The layers that a file's channels form. A layer has channels R, G and B, or Y alone; the only channel of a file is
-/// grey whatever its name. Layers are in the order of the file, with "" first.
-std::vector<std::pair<std::string, std::array<int, 3>>> layers_among(const std::vector<std::string>& names) {
-    std::vector<std::pair<std::string, std::array<int, 3>>> layers;
+/// Whether the program reads the layers of this name itself: the image, a component, or a standard error, bias or group.
+bool is_read_by_name(const std::string& layer) {
+    const std::string first = layer.substr(0, layer.find('_'));
+    return layer.empty() || component_named(first) || first == "stderr" || first == bias_layer_suffix ||
+           first.starts_with("group");
+}
+
+/// The layers that a file's channels form. A layer has channels R, G and B, or X, Y and Z, or Y without X; the only channel
+/// of a file is grey whatever its name, but for X. Layers are in the order of the file, with "" first. Throws InputError for
+/// an incomplete layer that would be missed.
+std::vector<StoredLayer> layers_among(const std::vector<std::string>& names, const std::string& path) {
+    std::vector<StoredLayer> layers;
     for (const std::string& name : names) {
         const std::size_t dot = name.rfind('.');
         const std::string layer = dot == std::string::npos ? "" : name.substr(0, dot);
         const std::string channel = dot == std::string::npos ? name : name.substr(dot + 1);
-        std::array<int, 3> channels{};
-        for (std::size_t k = 0; k < 3; ++k)
-            channels[k] = channel_index(names, channel_name(layer, rgb_names[k]));
-        const bool colour = std::all_of(channels.begin(), channels.end(), [](int c) { return c >= 0; });
-        // Y beside RY and BY is the luminance of a colour image; Y alone would make it grey.
-        const bool chroma = channel_index(names, channel_name(layer, "RY")) >= 0;
-        const bool grey = !colour && !chroma && (channel == "Y" || names.size() == 1);
-        if (grey) channels.fill(channel_index(names, name));
-        if (grey || (colour && channel == "R")) layers.emplace_back(layer, channels);
+        const auto channels = [&](const std::array<const char*, 3>& wanted) {
+            std::array<int, 3> found{};
+            for (std::size_t k = 0; k < 3; ++k)
+                found[k] = channel_index(names, channel_name(layer, wanted[k]));
+            return found;
+        };
+        const auto complete = [](const std::array<int, 3>& found) {
+            return std::all_of(found.begin(), found.end(), [](int c) { return c >= 0; });
+        };
+        const auto rgb = channels(rgb_names), xyz = channels(xyz_names);
+        if (complete(rgb)) {
+            if (channel == "R") layers.push_back({layer, rgb});
+            continue;
+        }
+        if (complete(xyz)) {
+            if (channel == "X") layers.push_back({layer, xyz, true});
+            continue;
+        }
+        // Y beside RY and BY, or beside X, is a part of a colour; Y alone would make it grey.
+        const bool part = xyz[0] >= 0 || channel_index(names, channel_name(layer, "RY")) >= 0;
+        const int index = channel_index(names, name);
+        if (!part && (channel == "Y" || names.size() == 1)) layers.push_back({layer, {index, index, index}});
+        else if (is_read_by_name(layer) && (channel == "R" || channel == "G" || channel == "B" || channel == "X"))
+            throw InputError({path, 0, 0},
+                             "the layer '" + layer + "' has a channel " + channel + ", but not all of R,G,B or X,Y,Z");
     }
-    std::stable_partition(layers.begin(), layers.end(), [](const auto& layer) { return layer.first.empty(); });
+    std::stable_partition(layers.begin(), layers.end(), [](const auto& layer) { return layer.name.empty(); });
     return layers;
 }
 
@@ -158,7 +194,7 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image) {
 LayeredImage read_image(const std::string& path) {
     const StoredImage stored = image_library().read_image(path);
     require_display_window(stored, path);
-    const auto layers = layers_among(stored.channels);
+    const auto layers = layers_among(stored.channels, path);
     if (layers.empty()) {
         std::string names;
         for (const auto& name : stored.channels)
@@ -166,8 +202,8 @@ LayeredImage read_image(const std::string& path) {
         throw InputError({path, 0, 0}, "no channels R,G,B or Y; the image has " + names);
     }
     LayeredImage image;
-    for (const auto& [name, channels] : layers)
-        image.layers.emplace_back(name, take_channels(stored, channels));
+    for (const StoredLayer& layer : layers)
+        image.layers.emplace_back(layer.name, take_channels(stored, layer));
     // Some renderers give the only layer a name ("ViewLayer.Combined.R"); this layer is the image.
     if (image.layers.size() == 1) image.layers[0].first = "";
     image.metadata = stored.metadata;

@@ -23,6 +23,62 @@ Vec3 from_layer(const Bsdf::Layer& layer, const Vec3& w) {
     return layer.flipped ? Vec3(w.x(), w.y(), -w.z()) : w;
 }
 
+/// Values of the layer's model below its coat, for directions in the layer's frame.
+LobeValues model_f(const Bsdf::Layer& layer, const Vec3& wo, const Vec3& wi, Transport transport) {
+    const auto f = [&](const Vec3& o, const Vec3& i) {
+        return std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, layer.model);
+    };
+    if (!layer.coat) return f(wo, wi);
+    const Coat& coat = *layer.coat;
+    const Vec3 o = coat.refracted(wo), i = coat.refracted(wi);
+    const Color share = coat.transmittance(wo, o) * coat.transmittance(wi, i) / sqr(coat.eta);
+    LobeValues values = f(o, i);
+    values.diffuse *= share;
+    values.specular *= share;
+    return values;
+}
+
+/// The solid angle inside a coat over that outside: n^2 cos domega is the same on both sides of the surface.
+float solid_angle_ratio(const Coat& coat, const Vec3& outside, const Vec3& inside) {
+    return inside.z() == 0.f ? 0.f : outside.z() / (sqr(coat.eta) * inside.z());
+}
+
+float model_pdf_w(const Bsdf::Layer& layer, const Vec3& wo, const Vec3& wi, Lobes which) {
+    const auto pdf_w = [&](const Vec3& o, const Vec3& i) {
+        return std::visit([&](const auto& m) { return m.pdf_w_local(o, i, which); }, layer.model);
+    };
+    if (!layer.coat) return pdf_w(wo, wi);
+    const Vec3 i = layer.coat->refracted(wi);
+    return pdf_w(layer.coat->refracted(wo), i) * solid_angle_ratio(*layer.coat, wi, i);
+}
+
+/// A sample of the layer's model. Below a coat, f and pdf_w are valid for a delta lobe only.
+std::optional<BsdfSample> model_sample(const Bsdf::Layer& layer, const Vec3& wo, float u_lobe, const Vec2& u,
+                                       Transport transport, Lobes which) {
+    const auto sample_of = [&](const Vec3& o) {
+        return std::visit([&](const auto& m) { return m.sample_local(o, u_lobe, u, transport, which); }, layer.model);
+    };
+    if (!layer.coat) return sample_of(wo);
+    const Vec3 o = layer.coat->refracted(wo);
+    auto sample = sample_of(o);
+    if (!sample) return sample;
+    const Vec3 i = sample->wi;
+    const auto wi = layer.coat->leaving(i);
+    if (!wi) return std::nullopt;
+    sample->wi = *wi;
+    // f of a delta lobe is its weight over the cosine.
+    sample->f *= layer.coat->transmittance(wo, o) * layer.coat->transmittance(*wi, i) * (i.z() / wi->z());
+    return sample;
+}
+
+ScatteringCoefficients model_coefficients(const Bsdf::Layer& layer, const Vec3& wo) {
+    const Vec3 o = layer.coat ? layer.coat->refracted(wo) : wo;
+    auto c = std::visit([&](const auto& m) { return m.coefficients_local(o); }, layer.model);
+    if (!layer.coat) return c;
+    const Color share = layer.coat->transmittance(wo, o);
+    return {c.diffuse * share, c.specular * share};
+}
+
 /// Whether w lies on the same side of the surface's normal as of the layer's tilted one. Only then does it count,
 /// because a tilted normal must not let light through the surface.
 bool same_side(const Bsdf::Layer& layer, const Vec3& w, const Vec3& w_layer) {
@@ -48,8 +104,7 @@ float choice_weight(const Bsdf::Layer& layer, const Vec3& wo, Lobes which, Trans
     if (!same_side(layer, wo, wo_layer)) return 0.f;
     if (transport == Transport::radiance && !layer.exists_for(wo)) return 0.f;
     const float share = transport == Transport::radiance ? 1.f : layer.share();
-    return share * layer.weight *
-           std::visit([&](const auto& m) { return m.coefficients_local(wo_layer).of(which).mean(); }, layer.model);
+    return share * layer.weight * model_coefficients(layer, wo_layer).of(which).mean();
 }
 
 /// Whether light leaves a layer along wi. Power leaves it only towards eyes that see this layer.
@@ -70,8 +125,7 @@ bool samples_untilted(const Bsdf::Layer& layer, Transport transport, Lobes which
 /// The density of the samples of one layer [1/sr].
 float layer_pdf_w(const Bsdf::Layer& layer, Transport transport, Lobes which, const Vec3& wo, const Vec3& wo_layer,
                   const Vec3& wi, const Vec3& wi_layer) {
-    const float tilted =
-        std::visit([&](const auto& m) { return m.pdf_w_local(wo_layer, wi_layer, which); }, layer.model);
+    const float tilted = model_pdf_w(layer, wo_layer, wi_layer, which);
     if (!samples_untilted(layer, transport, which)) return tilted;
     return untilted_share * cosine_hemisphere_pdf(std::copysign(1.f, wo.z()) * wi.z()) +
            (1.f - untilted_share) * tilted;
@@ -90,8 +144,7 @@ std::optional<BsdfSample> sample_layer(const Bsdf::Layer& layer, Transport trans
                           .lobe = LobeKind::diffuse};
     }
     if (untilted) u_lobe = std::min((u_lobe - untilted_share) / (1.f - untilted_share), 1.f - unit_roundoff);
-    auto sample = std::visit(
-        [&](const auto& m) { return m.sample_local(to_layer(layer, wo), u_lobe, u, transport, which); }, layer.model);
+    auto sample = model_sample(layer, to_layer(layer, wo), u_lobe, u, transport, which);
     if (!sample) return sample;
     if (untilted) sample->pdf_w *= 1.f - untilted_share;
     sample->wi = from_layer(layer, sample->wi);
@@ -164,7 +217,7 @@ void Bsdf::prepare() {
     mixes_kinds_ = traits_.diffuse && traits_.glossy;
     has_sheets_ = std::any_of(layers_.begin(), layers_.end(),
                               [](const Layer& l) { return std::holds_alternative<ThinDielectric>(l.model); });
-    const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f; };
+    const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f && !layer.coat; };
     if (layers_.size() == 1 && plain(layers_[0])) only_ = {0, 0};
     const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
                               layers_[1].flipped && !traits_.transmission;
@@ -233,7 +286,7 @@ LobeValues Bsdf::mixture_f_local(const Vec3& wo, const Vec3& wi, Transport trans
         if (!same_side(layer, wo, o) || !same_side(layer, wi, i)) continue;
         const float share = layer.weight * perturbed_share(layer, transport, wo, wi);
         if (share == 0.f) continue;
-        const LobeValues f = std::visit([&](const auto& m) { return m.f_local(o, i, transport); }, layer.model);
+        const LobeValues f = model_f(layer, o, i, transport);
         const float weight = share * tilted_cosine_ratio(layer, transport, wo, o, wi, i);
         sum.diffuse += weight * f.diffuse;
         sum.specular += weight * f.specular;
@@ -322,7 +375,7 @@ ScatteringCoefficients Bsdf::coefficients_local(const Vec3& wo) const {
     for (const Layer& layer : layers_) {
         const Vec3 o = to_layer(layer, wo);
         if (!same_side(layer, wo, o) || !layer.exists_for(wo)) continue;
-        const auto c = std::visit([&](const auto& m) { return m.coefficients_local(o); }, layer.model);
+        const ScatteringCoefficients c = model_coefficients(layer, o);
         sum.diffuse += layer.weight * c.diffuse;
         sum.specular += layer.weight * c.specular;
     }

@@ -3,12 +3,15 @@
 // of which may be seen from behind or through a tilted normal, together with the probability that there is no surface
 // at all.
 
+#include "common/materials/coat.h"
 #include "common/materials/phong.h"
 #include "common/materials/plastic.h"
 #include "common/materials/principled.h"
 #include "common/materials/principled_thin.h"
+#include "common/materials/rough_diffuse.h"
 #include "common/materials/rough_scattering.h"
 #include "common/materials/smooth_scattering.h"
+#include "common/materials/ward.h"
 
 #include <array>
 #include <variant>
@@ -17,7 +20,7 @@
 namespace gib {
 
 using Scattering = std::variant<Diffuse, Dielectric, Conductor, ThinDielectric, RoughConductor, RoughDielectric,
-                                Plastic, RoughPlastic, Phong, Principled, PrincipledThin>;
+                                Plastic, RoughPlastic, Phong, Principled, PrincipledThin, RoughDiffuse, Ward>;
 
 /// The effect of a bump or normal map on one layer, in the shading frame of the hit.
 ///
@@ -67,6 +70,7 @@ public:
         std::optional<Eigen::Matrix3f> to_layer =
             {};  ///< from the shading frame to a tilted one: orthogonal, includes the flip
         std::vector<Perturbation> perturbations = {};  ///< maps that tilted it, without those that do nothing
+        std::shared_ptr<const Coat> coat = {};         ///< what covers the model, in the layer's frame; null: nothing
 
         bool exists_for(const Vec3& eye) const;
         float shadowing(const Vec3& light) const;
@@ -78,7 +82,8 @@ public:
     explicit Bsdf(Scattering one_sided);
     /// Two models back to back (Mitsuba's `twosided`).
     Bsdf(Scattering front, Scattering back);
-    /// Each weight is a layer's share of all light. On each side the weights and `pass_through` sum to at most 1;
+    /// Each weight is a layer's share of all light; a coat and what it covers have one share together. On each side the
+    /// shares and `pass_through` sum to at most 1;
     /// they are stored divided by 1 - pass_through. There are at most max_layers layers.
     Bsdf(std::vector<Layer> layers, float pass_through);
 

@@ -20,6 +20,7 @@ struct Passage {
     bool tilted = false, flipped = false;
     bool again = false;  ///< the part is seen with its second normal: its holes are already counted
     std::vector<Perturbation> perturbations;
+    std::shared_ptr<const Coat> coat;
 };
 
 Matrix axes(const Frame& f) {
@@ -81,6 +82,7 @@ private:
             layer.to_layer = passage.to_layer;
             layer.perturbations = passage.perturbations;
         }
+        layer.coat = passage.coat;
         layers_.push_back(std::move(layer));
     }
     void add(const Nothing&, const Passage& passage) { pass_through(passage, passage.share); }
@@ -103,9 +105,18 @@ private:
     }
     void add(const TwoSided& node, Passage passage) {
         add(*node.front, passage);
+        add(*node.back, turned_over(std::move(passage)));
+    }
+    void add(const Coating& node, Passage passage) {
+        add(*node.surface, passage);
+        if (node.nested->two_sided()) add(*node.surface, turned_over(passage));
+        passage.coat = node.coat;
+        add(*node.nested, passage);
+    }
+    static Passage turned_over(Passage passage) {
         passage.flipped = !passage.flipped;
         passage.to_layer = Eigen::Vector3f(1.f, 1.f, -1.f).asDiagonal() * passage.to_layer;
-        add(*node.back, passage);
+        return passage;
     }
     void add(const BumpMap& node, const Passage& passage) {
         const Vec3& n = passage.frame.n;
@@ -188,6 +199,7 @@ Material::Material(Node node) : node_(std::move(node)) {
         is_bumped_ |= nested->is_bumped_;
         two_sided_ |= nested->two_sided_;
         is_dispersive_ |= nested->is_dispersive_;
+        is_coated_ |= nested->is_coated_;
         models_ += nested->models_;
         constant &= nested->constant_ != nullptr;
     };
@@ -217,6 +229,11 @@ Material::Material(Node node) : node_(std::move(node)) {
         nest(sides->front);
         nest(sides->back);
         two_sided_ = true;
+    } else if (const auto* coating = std::get_if<Coating>(&node_)) {
+        nest(coating->surface);
+        nest(coating->nested);
+        if (two_sided_) models_ += coating->surface->models_;
+        is_coated_ = true;
     } else {
         const auto* bump = std::get_if<BumpMap>(&node_);
         nest(bump ? bump->nested : std::get<NormalMap>(node_).nested);

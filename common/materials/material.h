@@ -40,6 +40,12 @@ struct Mask {
 struct TwoSided {
     NestedMaterial front, back;
 };
+/// A clear coat over another material, which must not tilt normals or let light pass.
+struct Coating {
+    std::shared_ptr<const Coat> coat;
+    NestedMaterial surface;  ///< what the coat's surface reflects: one-sided
+    NestedMaterial nested;
+};
 /// How tilted normals that contradict the geometry are treated: see Perturbation.
 struct PerturbationOptions {
     bool flip_invalid_normals = true, use_shadowing_function = true;
@@ -73,7 +79,7 @@ struct MaterialPoint {
 
 class Material {
 public:
-    using Node = std::variant<TexturedScattering, Nothing, Blend, Mask, TwoSided, BumpMap, NormalMap>;
+    using Node = std::variant<TexturedScattering, Nothing, Blend, Mask, TwoSided, BumpMap, NormalMap, Coating>;
 
     /// Throws std::invalid_argument if there are more than Bsdf::max_layers models.
     explicit Material(Node node);
@@ -95,6 +101,7 @@ public:
     bool is_textured() const { return is_textured_; }  ///< a parameter varies
     bool is_bumped() const { return is_bumped_; }      ///< its normals are not the shape's
     bool two_sided() const { return two_sided_; }
+    bool is_coated() const { return is_coated_; }          ///< a part has a clear coat (Coating)
     bool is_dispersive() const { return is_dispersive_; }  ///< its index depends on the wavelength
     /// Whether its shading frame must follow u, because normals or anisotropic models depend on the frame.
     bool follows_uv() const { return is_bumped_ || traits_.anisotropic; }
@@ -102,7 +109,8 @@ public:
 private:
     Node node_;
     LobeTraits traits_;
-    bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false, is_dispersive_ = false;
+    bool has_holes_ = false, is_textured_ = false, is_bumped_ = false, two_sided_ = false, is_dispersive_ = false,
+         is_coated_ = false;
     std::size_t models_ = 0;  ///< number of layers that all nested materials may give at a point
     std::shared_ptr<const Bsdf> constant_;
     std::shared_ptr<const std::vector<Bsdf>> constant_strata_;

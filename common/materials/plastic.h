@@ -75,6 +75,8 @@ struct RoughPlastic {
     std::optional<BsdfSample> sample_local(const Vec3& wo, float u_lobe, const Vec2& u, Transport, Lobes which) const;
     ScatteringCoefficients coefficients_local(const Vec3& wo) const;
 
+    const std::shared_ptr<const RoughCoat>& coat() const { return coat_; }
+
 private:
     std::shared_ptr<const RoughCoat> coat_;
 };

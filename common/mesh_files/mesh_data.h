@@ -38,7 +38,8 @@ struct MeshData {
 
 /// Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Other statements of the format are passed over, and so is any
 /// unknown one, with a warning at the first of each name. A backslash at the end of a line joins the next one to it.
-/// Faces are parted into triangles (polygon.h). The corners that name the same v/vt/vn share a vertex. Throws
+/// Faces are parted into triangles (polygon.h), and those of fewer than three corners left out with a warning, as in PLY
+/// files. The corners that name the same v/vt/vn share a vertex. Throws
 /// InputError at the place in `file`.
 MeshData parse_obj(std::string_view text, const std::string& file);
 

@@ -45,6 +45,7 @@ public:
         for (; !cursor_.at_end(); end_statement())
             parse_statement();
         if (mesh_.triangles.empty()) throw InputError(cursor_.location(), "the mesh is empty: it has no faces");
+        short_faces_.warn(mesh_.warnings);
         collect_vertices();
         triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
@@ -108,7 +109,7 @@ private:
             if (corners >= 2) mesh_.triangles.push_back({first, previous, vertex});
             previous = vertex;
         }
-        if (corners < 3) reject(cursor_.location(), "a face has only {} vertices", corners);
+        if (corners < 3) short_faces_.add(cursor_.location());
         if (corners > 3) fans_.push_back({first_triangle, corners});
     }
 
@@ -175,6 +176,7 @@ private:
     std::vector<std::uint32_t> next_;               ///< the next vertex at the same position
     std::vector<Fan> fans_;
     std::set<std::string_view> unknown_;  ///< words that were warned of
+    ShortFaces short_faces_;
     bool has_uvs_ = false, has_normals_ = false;
     MeshData mesh_;
 };

@@ -276,6 +276,7 @@ public:
         if (mesh_.triangles.empty()) throw InputError(header_.end, "the mesh is empty: it has no faces");
         // Faces that stand before the vertices could not be checked while they were read.
         if (largest_index_ >= mesh_.positions.size()) index_out_of_range(largest_index_);
+        short_faces_.warn(mesh_.warnings);
         triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
     }
@@ -359,7 +360,7 @@ private:
         std::vector<Color> attributes(element.attributes.size());
         for (std::uint64_t i = 0; i < element.count; ++i) {
             for (const auto& property : element.properties) {
-                if (property.role == Role::corners) read_face(property, i);
+                if (property.role == Role::corners) read_face(property);
                 else if (property.slot) read_attribute(property, attributes);
                 else skip(property);
             }
@@ -369,9 +370,9 @@ private:
         }
     }
 
-    void read_face(const Property& property, std::uint64_t face) {
+    void read_face(const Property& property) {
         const std::uint64_t count = read_count(*property.count_type);
-        if (count < 3) reject(reader_.location(), "face {} has only {} vertices{}", face, count, reader_.place());
+        if (count < 3) short_faces_.add(reader_.location());
         const std::size_t first_triangle = mesh_.triangles.size();
         std::uint32_t first = 0, previous = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
@@ -396,6 +397,7 @@ private:
     Reader& reader_;
     MeshData mesh_;
     std::vector<Fan> fans_;
+    ShortFaces short_faces_;
     std::uint32_t largest_index_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include "common/color/dielectric_index.h"
 #include "common/color/dispersion.h"
 #include "common/core/reject.h"
+#include "common/reader/model_reader.h"
 #include "common/xml/scene_spectrum.h"
 
 #include <fmt/format.h>
@@ -90,76 +91,6 @@ float parse_dispersion(Properties& properties, const std::string& interior) {
     }
     return static_cast<float>(b);
 }
-
-/// Reads the parameters of a model. Constant ones are put into the model, the others are kept beside it as textures.
-template <typename Model>
-class ModelReader {
-public:
-    ModelReader(Properties& properties, TextureFiles& files) : properties_(properties), files_(files) {}
-
-    Model* operator->() { return &model_; }
-    Properties& properties() { return properties_; }
-
-    /// Reads a colour. `Set` is a lambda without captures that puts it into the model.
-    template <typename Set>
-    void color(const std::string& name, float fallback, ColorRange range, Set set, float highest = infinity) {
-        const Texture texture = parse_textured(properties_, name, fallback, range, files_);
-        check_highest(name, texture, highest);
-        set(model_, texture.maximum());
-        if (texture.constant()) return;
-        parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
-    }
-    /// Reads a number. `Set` is a lambda without captures that puts it into the model.
-    template <typename Set>
-    void number(const std::string& name, float fallback, Set set, float highest) {
-        const Texture texture = parse_textured_number(properties_, name, fallback, ColorRange::non_negative, files_);
-        check_highest(name, texture, highest);
-        set(model_, texture.constant() ? texture.value(Vec2(0, 0)) : texture.maximum().maxCoeff());
-        if (texture.constant()) return;
-        parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
-    }
-    void reflectance(float fallback = 1.f) {
-        color("specular_reflectance", fallback, ColorRange::unit,
-              [](Model& m, const Color& c) { m.specular_reflectance = c; });
-    }
-    void transmittance() {
-        color("specular_transmittance", 1.f, ColorRange::unit,
-              [](Model& m, const Color& c) { m.specular_transmittance = c; });
-    }
-    void diffuse_reflectance() {
-        color("diffuse_reflectance", 0.5f, ColorRange::unit,
-              [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
-    }
-    /// Whether a parameter that has been read is a texture.
-    bool varies() const { return !parameters_.empty(); }
-    /// Scales both reflectances down if they exceed 1 together, as Mitsuba 0.6 does. Throws InputError if one of them varies.
-    void conserve_energy() {
-        const float sum = (model_.diffuse_reflectance + model_.specular_reflectance).maxCoeff();
-        if (sum <= 1.f + unit_roundoff) return;
-        const SourceLocation& where = properties_.element().where;
-        if (varies())
-            throw InputError(where, "phong's diffuse_reflectance and specular_reflectance must not exceed 1 together");
-        model_.diffuse_reflectance /= sum;
-        model_.specular_reflectance /= sum;
-        properties_.ids().warn(where,
-                               "phong's diffuse_reflectance and specular_reflectance exceed 1 together: both are "
-                               "scaled down");
-    }
-    Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
-
-private:
-    void check_highest(const std::string& name, const Texture& texture, float highest) const {
-        const float value = texture.maximum().maxCoeff();
-        if (!(value <= highest))
-            properties_.reject(name, "'{}' must be at most {:g}, not {:g}{}", name, highest, value,
-                               texture.constant() ? "" : " of its texture");
-    }
-
-    Properties& properties_;
-    TextureFiles& files_;
-    Model model_;
-    std::vector<TexturedParameter> parameters_;
-};
 
 /// Reads the index of a conductor. Without a material and an index it is a perfect mirror.
 template <typename Model>
@@ -304,6 +235,29 @@ void read(ModelReader<Phong>& model) {
     model.conserve_energy();
 }
 
+/// Reads a roughdiffuse of Mitsuba 0.6.
+void read(ModelReader<RoughDiffuse>& model) {
+    model.color("reflectance", 0.5f, ColorRange::unit, [](RoughDiffuse& m, const Color& c) { m.reflectance = c; });
+    model.number(
+        "alpha", 0.2f, [](RoughDiffuse& m, float alpha) { m.alpha = alpha; }, highest_roughness);
+    model->fast = model.properties().boolean("use_fast_approx", false);
+}
+
+/// Reads a ward of Mitsuba 0.6.
+void read(ModelReader<Ward>& model) {
+    using Variant = Ward::Variant;
+    model->variant = model.properties().chosen(
+        "variant", Variant::balanced,
+        {{"balanced", Variant::balanced}, {"ward", Variant::ward}, {"ward-duer", Variant::ward_duer}});
+    model.number(
+        "alpha_u", 0.1f, [](Ward& m, float alpha) { m.distribution.alpha_u = alpha; }, highest_roughness);
+    model.number(
+        "alpha_v", 0.1f, [](Ward& m, float alpha) { m.distribution.alpha_v = alpha; }, highest_roughness);
+    model.diffuse_reflectance();
+    model.reflectance(0.2f);
+    model.conserve_energy();
+}
+
 /// Reads `eta` or `specular` of a principled. As in Mitsuba, an interface that light passes has a change of index.
 float parse_principled_index(Properties& properties, bool transmits) {
     properties.exclude("eta", "specular");
@@ -392,6 +346,31 @@ Material parse_twosided(Properties& properties, TextureFiles& files) {
     return Material(TwoSided{sides.front(), sides.back()});
 }
 
+/// Reads a coating or a roughcoating of Mitsuba 0.6. What the surface reflects is that of a plastic with a black base.
+template <typename Surface>
+Material parse_coating(Properties& properties, TextureFiles& files) {
+    constexpr bool rough = std::is_same_v<Surface, RoughPlastic>;
+    ModelReader<Surface> surface(properties, files);
+    surface->eta = rough ? parse_coat_index(properties, glass) : parse_relative_index(properties, glass);
+    if constexpr (rough) surface->distribution = parse_uniform_distribution(properties);
+    surface->diffuse_reflectance = Color::Zero();
+    surface->prepare();
+    surface.reflectance();
+    Coat coat;
+    coat.eta = surface->eta;
+    if constexpr (rough) coat.rough = surface->coat();
+    coat.absorption = color_property(properties, "sigma_a", 0, ColorRange::non_negative) *
+                      static_cast<float>(properties.not_negative("thickness", 1));
+    const NestedObject inside = nested_bsdfs(properties, 1, 1)[0];
+    const NestedMaterial nested = parse_nested(inside, files);
+    if (nested->traits().transmission || nested->has_holes())
+        throw InputError(inside.where, "a bsdf inside a coating must not transmit light");
+    if (nested->is_bumped() || nested->is_coated())
+        throw InputError(inside.where, "a bsdf inside a coating must not tilt normals or be coated itself");
+    return Material(Coating{std::make_shared<const Coat>(coat),
+                            std::make_shared<const Material>(std::move(surface).material()), nested});
+}
+
 Material parse_blend(Properties& properties, TextureFiles& files) {
     const auto nested = nested_bsdfs(properties, 2, 2);
     return Material(Blend{parse_textured_number(properties, "weight", 0.5f, ColorRange::unit, files),
@@ -449,6 +428,10 @@ constexpr BsdfPlugin plugins[] = {
     {"phong", parse_model<Phong>},
     {"principled", parse_model<Principled>},
     {"principledthin", parse_model<PrincipledThin>},
+    {"roughdiffuse", parse_model<RoughDiffuse>},
+    {"ward", parse_model<Ward>},
+    {"coating", parse_coating<Plastic>},
+    {"roughcoating", parse_coating<RoughPlastic>},
     {"twosided", parse_twosided},
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},

@@ -77,6 +77,24 @@ SpotLight parse_spot(Properties& properties, TextureFiles& files, const Vec3d& o
             std::move(slide)};
 }
 
+/// A beam without width (Mitsuba 0.6's `collimated`), which no path would meet: the narrowest spot of the same power.
+SpotLight parse_collimated(Properties& properties, const Vec3d& origin) {
+    const Mat4d to_world = properties.transform("to_world");
+    const Color power = color_property(properties, "power", 1, ColorRange::emission);
+    properties.ids().warn(
+        properties.element().where,
+        fmt::format("'collimated' is read as a spot of the same power whose 'cutoff_angle' is {} degrees",
+                    least_cutoff));
+    const double cutoff = least_cutoff * std::numbers::pi / 180;
+    const double solid_angle = 4 * std::numbers::pi * sqr(std::sin(cutoff / 2));  // of a cone
+    return {recentred_position(properties, to_world.topRightCorner<3, 1>(), origin),
+            rigid_axes(properties, to_world, true),
+            power / static_cast<float>(solid_angle),
+            cutoff,
+            cutoff,
+            std::nullopt};
+}
+
 ProjectorLight parse_projector(Properties& properties, TextureFiles& files, const Vec3d& origin) {
     const Mat4d to_world = properties.transform("to_world");
     const Texture image = parse_textured(properties, "irradiance", 1, ColorRange::emission, files);
@@ -130,13 +148,14 @@ Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files) {
 
 std::vector<Light> parse_emitter(const NestedObject& emitter, TextureFiles& files, const Vec3d& origin) {
     Properties properties(*emitter.element, files.ids());
-    const std::string& type = properties.plugin(
-        {"point", "spot", "projector", "directional", "constant", "envmap", "sunsky", "sky", "sun", "area"});
+    const std::string& type = properties.plugin({"point", "spot", "projector", "directional", "constant", "envmap",
+                                                 "sunsky", "sky", "sun", "area", "collimated"});
     if (type == "area") throw InputError(emitter.where, "an area emitter must stand in a shape");
     check_sampling_weight(properties);
     const auto parse = [&]() -> std::vector<Light> {
         if (type == "point") return {parse_point(properties, origin)};
         if (type == "spot") return {parse_spot(properties, files, origin)};
+        if (type == "collimated") return {parse_collimated(properties, origin)};
         if (type == "projector") return {parse_projector(properties, files, origin)};
         if (type == "directional") return {parse_directional(properties)};
         if (type == "envmap") return {parse_envmap(properties, files)};

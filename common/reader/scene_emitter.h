@@ -10,7 +10,7 @@ namespace gib {
 Texture parse_area_emitter(const NestedObject& emitter, TextureFiles& files);
 
 /// Reads an emitter: point (position or to_world, intensity), spot (to_world, intensity, cutoff_angle, beam_width,
-/// texture), projector (to_world, irradiance, scale, a perspective's field of view), directional (direction or
+/// texture), projector (to_world, irradiance, scale, a perspective's field of view), collimated (to_world, power), directional (direction or
 /// to_world, irradiance), constant (radiance), envmap (filename, scale, to_world), sunsky, sky or sun
 /// (scene_daylight.h). It is one light, but for a sky with a sun of parallel light. Positions are moved by -origin.
 /// Sampling weights are checked but have no effect, because lights are chosen by their power. Throws InputError.

@@ -394,7 +394,11 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     for (const char* part : {"film", "sampler", "rfilter", "phase", "volume"})
         scene.objects(part);  // a sensor or a medium may refer to them
     scene.finish();
-    if (sensors.empty()) throw InputError(expanded.root.where, "the scene has no sensor");
+    if (sensors.empty())
+        throw InputError(
+            expanded.root.where,
+            "the scene has no sensor: add a <sensor type=\"perspective\"> with a to_world and a <film>, or "
+            "include this file in a scene that has them");
     const auto taken = integrator ? parse_integrator(*integrator, builder.ids()) : ParsedIntegrator{INT_MAX, false};
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
     parsed.sensor.hide_emitters(taken.hides_emitters);

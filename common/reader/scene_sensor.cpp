@@ -68,6 +68,15 @@ void set_resolution(Sensor::Parameters& sensor, const std::pair<int, int>& resol
     sensor.height = height;
 }
 
+/// Reads the filter of a film or of a sensor. Of several the last counts, as in Mitsuba 0.6.
+void read_filter(Properties& properties, const XmlIds& ids, Sensor::Parameters& sensor) {
+    const auto filters = properties.objects("rfilter");
+    if (filters.size() > 1)
+        ids.warn(filters.back().where,
+                 fmt::format("<{}> has {} filters: the last one counts", properties.element().tag, filters.size()));
+    if (!filters.empty()) sensor.filter = parse_filter(filters.back(), ids);
+}
+
 /// Reads the size of the image, its window and its filter from a film of any name. The rest says what Mitsuba does with the
 /// image, which is the program's here.
 void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters& sensor) {
@@ -80,7 +89,7 @@ void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters&
     sensor.width = properties.integer("width", 1).value_or(sensor.width);
     sensor.height = properties.integer("height", 1).value_or(sensor.height);
     parse_crop(properties, sensor);
-    if (const auto filter = properties.object("rfilter")) sensor.filter = parse_filter(*filter, ids);
+    read_filter(properties, ids, sensor);
     properties.warn_of_unread({"pixel_format", "component_format", "file_format", "sample_border", "high_quality_edges",
                                "compensate", "banner", "gamma", "exposure", "key", "burn", "tonemap_method",
                                "attach_log", "alpha", "digits", "variable"});
@@ -217,6 +226,7 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
         properties.number(name);
     const auto medium = properties.object("medium");
     const auto film = properties.object("film"), sampler = properties.object("sampler");
+    read_filter(properties, ids, parameters);  // some exporters write it here; that of the film goes before
     if (film) parse_film(*film, ids, parameters);
     if (resolution) set_resolution(parameters, *resolution);
     const auto sample_count = sampler ? parse_sampler(*sampler, ids) : std::nullopt;

@@ -2,6 +2,7 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
+#include "common/mesh_files/curve_mesh.h"
 #include "common/mesh_files/mesh_materials.h"
 #include "common/mesh_files/smooth_angle.h"
 
@@ -167,6 +168,16 @@ ParsedShapes parse_obj_file(MeshData data, const std::vector<NestedObject>& bsdf
     return shapes;
 }
 
+/// Reads a file of curves, which become tubes.
+ParsedMesh parse_curve_file(CurveKind kind, Properties& properties, const Mat4d& to_world, const FileFinder& files,
+                            ContentHash& hash) {
+    const std::string name = properties.required_string("filename");
+    const std::string path = files.find(name, properties.element_where("filename"));
+    const std::string content = read_file(path);
+    hash.add(content);
+    return {parse_curves(content, path, kind, to_world), properties.boolean("flip_normals", false)};
+}
+
 /// Reads an obj, ply, serialized or ms3d file.
 ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, const std::vector<NestedObject>& bsdfs,
                              const Mat4d& to_world, const FileFinder& files, ContentHash& hash) {
@@ -261,14 +272,18 @@ Cylinder recentred(const ParsedCylinder& c, const Vec3d& origin, const SourceLoc
 
 ParsedShapes parse_shapes(Properties& properties, const std::vector<NestedObject>& bsdfs, const FileFinder& files,
                           ContentHash& hash) {
-    const std::string& type = properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply",
-                                                 "serialized", "ms3d", "shapegroup", "instance", "merge"});
+    const std::string& type =
+        properties.plugin({"rectangle", "cube", "sphere", "disk", "cylinder", "obj", "ply", "serialized", "ms3d",
+                           "linearcurve", "bsplinecurve", "shapegroup", "instance", "merge"});
     const Mat4d to_world = properties.transform("to_world");
     if (type == "rectangle") return parse_rectangle(properties, to_world);
     if (type == "cube") return parse_cube(properties, to_world);
     if (type == "sphere") return parse_sphere(properties, to_world);
     if (type == "disk") return parse_disk(properties, to_world);
     if (type == "cylinder") return parse_cylinder(properties, to_world);
+    if (type == "linearcurve" || type == "bsplinecurve")
+        return parse_curve_file(type == "linearcurve" ? CurveKind::linear : CurveKind::bspline, properties, to_world,
+                                files, hash);
     return parse_mesh_file(type, properties, bsdfs, to_world, files, hash);
 }
 

@@ -5,6 +5,9 @@
 #include "common/core/reject.h"
 #include "common/core/text_cursor.h"
 
+#include <fmt/format.h>
+#include <algorithm>
+
 namespace gib {
 
 namespace {
@@ -13,6 +16,7 @@ namespace {
 struct Purpose {
     const std::string& property;
     ColorRange range;
+    const XmlIds& ids;  ///< takes the warnings
 };
 
 /// The colour in float. Throws InputError for a channel out of range.
@@ -39,12 +43,27 @@ public:
             if (!std::isfinite(x)) reject(where, "bad number '{}'", x);
         if (!wavelengths.empty() && wavelength <= wavelengths.back())
             reject(where, "the wavelengths must increase: {} follows {}", wavelength, wavelengths.back());
-        check_color_value(value, purpose_.range, purpose_.property, where);
+        // A negative value may be noise, which only the highest value can tell.
+        const bool waits = purpose_.range == ColorRange::non_negative && value < 0;
+        if (waits && value < lowest_) {
+            lowest_ = value;
+            place_of_lowest_ = where;
+        }
+        check_color_value(waits ? 0 : value, purpose_.range, purpose_.property, where);
         wavelengths.push_back(wavelength);
         samples_.values.push_back(value);
     }
 
-    Color color(const SourceLocation& where) const {
+    Color color(const SourceLocation& where) {
+        auto& values = samples_.values;
+        if (lowest_ < 0) {
+            if (!is_noise(lowest_, *std::max_element(values.begin(), values.end()), purpose_.range))
+                check_color_value(lowest_, purpose_.range, purpose_.property, place_of_lowest_);
+            purpose_.ids.warn(place_of_lowest_,
+                              fmt::format("'{}' must not be negative: {} counts as 0", purpose_.property, lowest_));
+            for (double& value : values)
+                value = std::max(value, 0.0);
+        }
         if (samples_.values.size() < 2)
             reject(where, "a spectrum needs two wavelengths or more, found {}", samples_.values.size());
         return color_of(samples_, purpose_, where);
@@ -53,6 +72,8 @@ public:
 private:
     const Purpose& purpose_;
     SampledSpectrum samples_;
+    double lowest_ = 0;  ///< lowest negative value
+    SourceLocation place_of_lowest_;
 };
 
 /// A part of an attribute's value, as an attribute at the same place.
@@ -194,13 +215,17 @@ Color parse_plugin(const XmlElement& element, const XmlIds& ids, const Purpose& 
 }  // namespace
 
 Color parse_spectrum(const XmlElement& element, const XmlIds& ids, const std::string& name, ColorRange range) {
-    const Purpose purpose{name, range};
+    const Purpose purpose{name, range, ids};
     if (element.find("type")) return parse_plugin(element, ids, purpose);
     element.check_attributes({"name", "value", "filename"});
     const XmlAttribute* file = element.find("filename");
     if (file && element.find("value")) throw InputError(file->where, "give either 'value' or 'filename'");
     if (file) return parse_file(file->value, purpose);
     const XmlAttribute& value = element.required("value");
+    if (value.value.starts_with('#')) {
+        const auto channels = parse_linear_channels(value);
+        return checked(Colord(channels[0], channels[1], channels[2]), purpose, value.where);
+    }
     const auto words = words_of(value.value);
     const bool constant = words.size() == 1 && words[0].find(':') == std::string::npos;
     return constant ? parse_constant(part(value, words[0]), purpose) : parse_list(value, purpose);

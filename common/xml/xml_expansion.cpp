@@ -2,6 +2,7 @@
 
 #include "common/core/reject.h"
 #include "common/xml/xml_upgrade.h"
+#include "common/xml/xml_values.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,7 +29,9 @@ public:
         known_.insert(name);
     }
 
-    void substitute(XmlAttribute& attribute) {
+    /// Returns whether all parameters of the attribute have a value; those that have none are kept for the error.
+    bool substitute(XmlAttribute& attribute) {
+        bool complete = true;
         std::string result;
         const std::string& text = attribute.value;
         for (std::size_t i = 0; i < text.size();) {
@@ -36,16 +39,33 @@ public:
                 result += '$';
                 i += 2;
             } else if (text[i] == '$') {
-                const std::string& name = name_at(attribute, i + 1);
+                const std::string name = name_at(attribute.value, i + 1);
                 known_.insert(name);
-                const std::string& value = values_.at(name);
-                result += value;
+                const auto value = values_.find(name);
+                if (value != values_.end()) result += value->second;
+                else missing_.push_back({name, attribute.where});
+                complete &= value != values_.end();
                 i += 1 + name.size();
             } else {
                 result += text[i++];
             }
         }
         attribute.value = std::move(result);
+        return complete;
+    }
+
+    /// The parameter without a value that was met last.
+    const std::string& last_missing() const { return missing_.back().first; }
+    /// Throws InputError with all parameters that have no value, at the place of the first one.
+    void reject_missing() const {
+        std::vector<std::string> names, settings;
+        for (const auto& [name, where] : missing_) {
+            if (std::find(names.begin(), names.end(), "$" + name) != names.end()) continue;
+            names.push_back("$" + name);
+            settings.push_back(fmt::format("--set {}=...", name));
+        }
+        reject(missing_.front().second, "no value for {}: {} would give {}", fmt::join(names, ", "),
+               fmt::join(settings, " "), names.size() == 1 ? "it" : "them");
     }
 
     void check_all_known(const std::string& file) const {
@@ -56,24 +76,34 @@ public:
     }
 
 private:
-    /// The longest name that has a value and stands at `at`: "$ab" is "$a" followed by "b" where only a is known.
-    const std::string& name_at(const XmlAttribute& attribute, std::size_t at) const {
+    /// The longest name that has a value and stands at `at`: "$ab" is "$a" followed by "b" where only a is known. If none has
+    /// a value, all characters that a name may have.
+    std::string name_at(const std::string& text, std::size_t at) const {
         const std::string* longest = nullptr;
         for (const auto& [name, value] : values_)
-            if (!name.empty() && attribute.value.compare(at, name.size(), name) == 0 &&
+            if (!name.empty() && text.compare(at, name.size(), name) == 0 &&
                 (!longest || name.size() > longest->size()))
                 longest = &name;
         if (longest) return *longest;
         std::size_t end = at;
-        while (end < attribute.value.size() && is_name_character(attribute.value[end]))
+        while (end < text.size() && is_name_character(text[end]))
             ++end;
-        reject(attribute.where, "the parameter '${}' has no value", attribute.value.substr(at, end - at));
+        return text.substr(at, end - at);
     }
 
     const std::map<std::string, std::string>& given_;
     std::map<std::string, std::string> values_;
     std::set<std::string> known_;
+    std::vector<std::pair<std::string, SourceLocation>> missing_;  ///< names without a value, and where they stand
 };
+
+/// Whether Mitsuba's plugins have a default for the value of this element.
+bool may_be_left_out(const XmlElement& element) {
+    const XmlAttribute* name = element.find("name");
+    for (const std::string_view tag : {"float", "integer", "boolean", "string", "rgb", "spectrum"})
+        if (element.tag == tag) return name && name->value != "filename" && !element.find("type");
+    return false;
+}
 
 /// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
 /// either tag. Here <spectrum> is for those that are the same everywhere and <texture> for those that vary.
@@ -96,13 +126,40 @@ public:
         hash_.add(text);
         XmlElement root = parse_xml(text, path);
         if (root.tag != "scene") reject(root.where, "the root element must be <scene>, not <{}>", root.tag);
-        version_ = parse_version(root.required("version"));
+        version_ = version_of(root);
         root.check_attributes({"version", "id"});
         expand_children(root, 0);
+        if (is_incomplete_) parameters_.reject_missing();
         return root;
     }
 
 private:
+    SceneVersion version_of(const XmlElement& root) {
+        if (const XmlAttribute* version = root.find("version")) return parse_version(*version);
+        const bool is_old = has_old_names(root);
+        warnings_.add(root.where, fmt::format("the file does not tell its version: by its names it is read as {}",
+                                              is_old ? "0.6" : "3.0"));
+        return is_old ? SceneVersion{0, 6} : SceneVersion{3, 0};
+    }
+
+    /// Puts the values of parameters into the attributes. Returns whether the element is complete. A value element without a
+    /// value is left out with a warning; in other elements a missing value becomes an error at the end of the file.
+    bool substitute(XmlElement& element) {
+        const bool optional = may_be_left_out(element);
+        for (auto& attribute : element.attributes) {
+            if (parameters_.substitute(attribute)) continue;
+            const std::string& name = parameters_.last_missing();
+            if (!optional || attribute.name != "value") is_incomplete_ = true;
+            else
+                warnings_.add(attribute.where,
+                              fmt::format("no value for ${0}: '{1}' is left out, and its default counts; --set {0}=... "
+                                          "would give it",
+                                          name, element.find("name")->value));
+            return false;
+        }
+        return true;
+    }
+
     void expand_children(XmlElement& element, int depth) {
         std::vector<XmlElement> expanded;
         for (auto& child : element.children)
@@ -112,8 +169,9 @@ private:
 
     /// Appends the elements that replace `element`.
     void expand_into(std::vector<XmlElement>& target, XmlElement& element, int depth) {
+        if (!substitute(element)) return;
         for (auto& attribute : element.attributes)
-            parameters_.substitute(attribute);
+            if (attribute.name == "type") attribute.value = lower_case(attribute.value);  // as Mitsuba on some systems
         unify_texture_tag(element);
         if (element.tag == "default") {
             declare(element);
@@ -195,6 +253,7 @@ private:
     Parameters& parameters_;
     ContentHash& hash_;
     LoadWarnings& warnings_;
+    bool is_incomplete_ = false;        ///< a parameter that cannot be left out has no value
     SceneVersion version_;              ///< version of the file that is read
     std::vector<std::string> folders_;  ///< folders of the included files that are open, the innermost first
 };
@@ -245,8 +304,10 @@ void XmlIds::collect_uses(const XmlElement& element) {
 void XmlIds::insert(const std::string& id, const XmlElement& object, const SourceLocation& where) {
     const auto [it, is_new] = objects_.emplace(id, &object);
     if (is_new) return;
-    const SourceLocation& first = it->second->where;
-    reject(where, "the id '{}' is given twice, first at {}:{}:{}", id, first.file, first.line, first.column);
+    const SourceLocation first = it->second->where;
+    warnings_.add(where, fmt::format("the id '{}' is given twice, first at {}:{}:{}: references mean the last one", id,
+                                     first.file, first.line, first.column));
+    it->second = &object;
 }
 
 const XmlElement& XmlIds::resolve(const XmlElement& ref) const {

@@ -31,8 +31,8 @@ private:
 /// The objects of a scene by their id, and the warnings of whoever reads them.
 class XmlIds {
 public:
-    /// Both arguments must outlive this object. Throws InputError for an id that is given twice and for an alias of an
-    /// unknown one.
+    /// Both arguments must outlive this object. Of several objects with one id the last counts, with a warning. Throws
+    /// InputError for an alias of an unknown one.
     XmlIds(const XmlElement& root, LoadWarnings& warnings) : warnings_(warnings) {
         collect(root);
         collect_uses(root);
@@ -61,9 +61,10 @@ struct ExpandedXml {
 };
 
 /// Expands the scene in `text`, and upgrades it if its version is old (xml_upgrade.h). `parameters` replace the defaults;
-/// files are searched for in `folders` after that of `path`; all files that are read are added to `hash`. Throws InputError for
-/// a parameter without a value, for one of `parameters` that the file does not know, and for a missing or circular
-/// include.
+/// files are searched for in `folders` after that of `path`; all files that are read are added to `hash`. A value whose
+/// parameter has no value is left out with a warning, so that the plugin's default counts. Throws InputError for other
+/// parameters without a value (all in one message), for one of `parameters` that the file does not know, and for a missing
+/// or circular include.
 ExpandedXml expand_xml(const std::string& text, const std::string& path,
                        const std::map<std::string, std::string>& parameters, const std::vector<std::string>& folders,
                        ContentHash& hash, LoadWarnings& warnings);

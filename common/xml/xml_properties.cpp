@@ -206,9 +206,15 @@ Color Properties::rgb(const std::string& name, float fallback, ColorRange range)
     if (!element) return Color::Constant(fallback);
     const XmlAttribute& value = element->required("value");
     const bool is_rgb = element->tag == "rgb";
-    const auto numbers = is_rgb ? parse_numbers(value) : std::vector<double>{parse_number_of(*element)};
+    auto numbers = is_rgb ? parse_linear_channels(value) : std::vector<double>{parse_number_of(*element)};
     if (numbers.size() != 1 && numbers.size() != 3)
         gib::reject(value.where, "'{}' takes one or three numbers, found {}", name, numbers.size());
+    const double highest = *std::max_element(numbers.begin(), numbers.end());
+    for (double& x : numbers) {
+        if (!is_noise(x, highest, range)) continue;
+        warn(name, "'{}' must not be negative: {} counts as 0", name, x);
+        x = 0;
+    }
     Color color;
     for (int i = 0; i < 3; ++i) {
         const double x = numbers[numbers.size() == 1 ? 0 : static_cast<std::size_t>(i)];

@@ -29,6 +29,12 @@ enum class ColorRange {
     emission       ///< not negative: a radiance, intensity or irradiance
 };
 
+/// Whether a negative number stands for 0 among numbers up to `highest`: measured indices of refraction and coefficients of
+/// media have small negative values by noise or as colours out of gamut.
+inline bool is_noise(double value, double highest, ColorRange range) {
+    return range == ColorRange::non_negative && value < 0 && -value < highest;
+}
+
 /// Throws InputError for a number that a colour of this range cannot have, before or after it is rounded to float.
 void check_color_value(double value, ColorRange range, const std::string& name, const SourceLocation& where);
 
@@ -97,7 +103,8 @@ public:
     /// Declares that the property may be a <spectrum>. Returns its element if it is one, else null; color_property()
     /// reads the value.
     const XmlElement* spectrum(const std::string& name);
-    /// An <rgb>, or a <float> for a grey; linear, with sRGB's primaries.
+    /// An <rgb>, or a <float> for a grey; linear, with sRGB's primaries. Of colours that are not_negative, negative channels
+    /// count as 0 with a warning if they are smaller than the largest one, as in measured data.
     Color rgb(const std::string& name, float fallback, ColorRange range);
     /// Declares that the property may be a <string>. Returns whether it is one.
     bool is_string(const std::string& name);

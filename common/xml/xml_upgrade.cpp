@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -67,21 +66,6 @@ void drop(XmlElement& element, std::initializer_list<std::string_view> names) {
 XmlElement value_element(const std::string& tag, const std::string& name, const std::string& value,
                          const SourceLocation& where) {
     return {.tag = tag, .where = where, .attributes = {{"name", name, where}, {"value", value, where}}, .children = {}};
-}
-
-/// The numbers of "0.2, 0.5 0.1", or of "#rrggbb" (0 to 1).
-std::vector<double> numbers_of(const XmlAttribute& value) {
-    const std::string& text = value.value;
-    if (!text.starts_with('#')) return parse_numbers(value);
-    std::vector<double> channels;
-    for (std::size_t i = 1; i + 1 < text.size(); i += 2) {
-        unsigned byte = 0;
-        const char* first = text.data() + i;
-        if (std::from_chars(first, first + 2, byte, 16).ptr != first + 2) break;
-        channels.push_back(byte / 255.0);
-    }
-    if (channels.size() != 3 || text.size() != 7) reject(value.where, "bad colour '{}': expected #rrggbb", text);
-    return channels;
 }
 
 class Upgrade {
@@ -145,11 +129,13 @@ private:
         XmlAttribute* value = attribute_of(e_, "value");
         if (!value) return;
         if (e_.tag == "srgb") {
-            std::vector<double> channels = numbers_of(*value);
+            std::vector<double> channels = parse_channels(*value);
             for (double& channel : channels)
                 channel = static_cast<double>(linear_from_srgb(static_cast<float>(channel)));
             e_.tag = "rgb";
             value->value = fmt::format("{}", fmt::join(channels, " "));
+        } else if (e_.tag == "rgb" && value->value.starts_with('#')) {
+            value->value = fmt::format("{}", fmt::join(parse_channels(*value), " "));
         } else if (e_.tag == "spectrum" && value->value.find(':') == std::string::npos) {
             const std::size_t count = words_of(value->value).size();
             if (count == 1 || count == 3) e_.tag = "rgb";
@@ -274,10 +260,11 @@ private:
         e_.children.push_back(std::move(other));
     }
 
-    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong together, when it is read.
+    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong or ward together, when it is read.
     void upgrade_reflectances() {
         const XmlElement* ensured = property(e_, "ensure_energy_conservation");
-        const bool scales = !is(e_, "bsdf", "phong") && (!ensured || parse_boolean(ensured->required("value")));
+        const bool scales = !is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward") &&
+                            (!ensured || parse_boolean(ensured->required("value")));
         drop(e_, {"ensure_energy_conservation"});
         if (!scales) return;
         for (const std::string_view name :
@@ -285,7 +272,7 @@ private:
             XmlElement* color = property(e_, name);
             XmlAttribute* value = color ? attribute_of(*color, "value") : nullptr;
             if (!value || (color->tag != "rgb" && color->tag != "float")) continue;
-            std::vector<double> channels = numbers_of(*value);
+            std::vector<double> channels = parse_numbers(*value);
             const double highest = channels.empty() ? 0 : *std::max_element(channels.begin(), channels.end());
             if (!(highest > 1)) continue;
             warnings_.add(value->where, fmt::format("'{}' is above 1: it is scaled down to 0.99", name));
@@ -427,6 +414,18 @@ private:
 };
 
 }  // namespace
+
+bool has_old_names(const XmlElement& root) {
+    return std::any_of(root.children.begin(), root.children.end(), [](const XmlElement& child) {
+        const std::initializer_list<std::string_view> old_tags = {"lookAt", "srgb", "blackbody", "camera", "luminaire"};
+        if (std::find(old_tags.begin(), old_tags.end(), child.tag) != old_tags.end()) return true;
+        // Names of parameters are the language's; those of objects may be the author's.
+        const XmlAttribute* name = child.find("name");
+        const bool is_parameter = child.find("value") || child.tag == "transform";
+        if (is_parameter && child.tag != "default" && name && underscored(name->value) != name->value) return true;
+        return has_old_names(child);
+    });
+}
 
 SceneVersion parse_version(const XmlAttribute& version) {
     const std::string& text = version.value;

@@ -19,6 +19,9 @@ struct SceneVersion {
 /// Reads the attribute `version` of a root element. Throws InputError unless it lies between 0.3 and 3.x.
 SceneVersion parse_version(const XmlAttribute& version);
 
+/// Whether a file has elements or camelCase parameters that only versions below 2 have.
+bool has_old_names(const XmlElement& root);
+
 /// Changes an element of a file of an older version, whose children have been upgraded and whose parameters have been
 /// substituted, into what a file of version 3 would say. Does nothing for version 2 and later.
 ///
@@ -27,7 +30,7 @@ SceneVersion parse_version(const XmlAttribute& version);
 /// uoffset, voffset, uscale and vscale become a to_uv that moves before it scales.
 ///
 /// Where the documentation of Mitsuba 0.6 (Jakob 2014, by plugin) gives a scene another meaning than that of version 3:
-///  - a <spectrum> of one or three numbers is linear RGB, and <srgb> has sRGB's curve;
+///  - a <spectrum> of one or three numbers is linear RGB, and <srgb> has sRGB's curve; an <rgb> of #rrggbb has none;
 ///  - a bitmap's gamma of 1 means linear values (raw); 0, -1 and about 2.2 mean sRGB's curve, and others are read so with a
 ///    warning; wrap_mode_u and wrap_mode_v are one wrap_mode if they agree; the filters trilinear and ewa are read as bilinear,
 ///    with a warning;

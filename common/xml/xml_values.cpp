@@ -1,10 +1,12 @@
 #include "common/xml/xml_values.h"
 
+#include "common/color/srgb.h"
 #include "common/core/float_traps.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 
 namespace gib {
@@ -155,6 +157,28 @@ std::vector<double> parse_numbers(const XmlAttribute& attribute) {
     for (const auto& word : words_of(attribute.value))
         numbers.push_back(finite_number(word, attribute));
     return numbers;
+}
+
+std::vector<double> parse_channels(const XmlAttribute& attribute) {
+    const std::string_view text = trimmed(attribute.value);
+    if (!text.starts_with('#')) return parse_numbers(attribute);
+    std::vector<double> channels;
+    for (std::size_t i = 1; i + 1 < text.size(); i += 2) {
+        unsigned byte = 0;
+        const char* first = text.data() + i;
+        if (std::from_chars(first, first + 2, byte, 16).ptr != first + 2) break;
+        channels.push_back(byte / 255.0);
+    }
+    if (channels.size() != 3 || text.size() != 7) reject(attribute.where, "bad colour '{}': expected #rrggbb", text);
+    return channels;
+}
+
+std::vector<double> parse_linear_channels(const XmlAttribute& attribute) {
+    std::vector<double> channels = parse_channels(attribute);
+    if (trimmed(attribute.value).starts_with('#'))
+        for (double& channel : channels)
+            channel = static_cast<double>(linear_from_srgb(static_cast<float>(channel)));
+    return channels;
 }
 
 std::int64_t parse_integer(const XmlAttribute& attribute) {

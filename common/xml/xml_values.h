@@ -18,6 +18,10 @@ std::vector<std::string> words_of(std::string_view text);
 double parse_number(const XmlAttribute& attribute);
 /// Finite numbers, separated by white space or commas.
 std::vector<double> parse_numbers(const XmlAttribute& attribute);
+/// Numbers as parse_numbers() reads them, or the three bytes of #rrggbb over 255.
+std::vector<double> parse_channels(const XmlAttribute& attribute);
+/// The same as linear values: #rrggbb is a colour of HTML, which has sRGB's curve.
+std::vector<double> parse_linear_channels(const XmlAttribute& attribute);
 std::int64_t parse_integer(const XmlAttribute& attribute);
 /// `true` or `false` in any case.
 bool parse_boolean(const XmlAttribute& attribute);

@@ -21,6 +21,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
 
 namespace gib {
 
@@ -79,6 +83,39 @@ int signal_before(const Clock::time_point& end, const sigset_t& signals) {
     return std::max(0, sigtimedwait(&signals, nullptr, &wait));
 }
 
+/// The processes whose parent is this one.
+std::vector<pid_t> children() {
+    std::vector<pid_t> found;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+        std::ifstream file(entry.path() / "stat");
+        // PID (NAME) STATE PARENT; a name may have blanks and parentheses.
+        std::string line;
+        if (!std::getline(file, line, '\0')) continue;
+        const std::size_t after_name = line.rfind(')');
+        char state = 0;
+        pid_t parent = 0;
+        if (after_name == line.npos || !(std::istringstream(line.substr(after_name + 1)) >> state >> parent)) continue;
+        if (parent == getpid()) found.push_back(static_cast<pid_t>(std::stol(line)));
+    }
+    return found;
+}
+
+/// Kills what a command has left behind, in whatever group or session. An orphan becomes a child of this process, which is a
+/// subreaper; each round therefore finds the children of those that the last one has killed.
+void kill_descendants() {
+    constexpr int most_rounds = 1000;  // some processes may not be killed, such as those of another user
+    for (int round = 0; round < most_rounds; ++round) {
+        const std::vector<pid_t> left = children();
+        if (left.empty()) return;
+        for (const pid_t child : left)
+            kill(child, SIGKILL);
+        while (waitpid(-1, nullptr, WNOHANG) > 0) {
+        }
+        usleep(1000);
+    }
+}
+
 CommandResult measured(const CommandRequest& request) {
     constexpr double longest = 1e8;  // [s], so that the clock cannot overflow
     const Descriptor input = opened("/dev/null", O_RDONLY);
@@ -88,6 +125,7 @@ CommandResult measured(const CommandRequest& request) {
     sigset_t before;
     sigprocmask(SIG_BLOCK, &signals, &before);
     const pid_t parent = getpid();
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
     const auto start = Clock::now();
     const auto end = start + std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(std::min(request.timeout, longest)));
@@ -106,11 +144,12 @@ CommandResult measured(const CommandRequest& request) {
         if (!interrupted && !result.timed_out) continue;
         kill(-child, SIGKILL);
         wait4(child, &status, 0, &usage);
-        if (interrupted) throw Interrupted();
-        break;
+        if (!interrupted) break;
+        kill_descendants();
+        throw Interrupted();
     }
     result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    kill(-child, SIGKILL);  // processes that the command has left behind
+    kill_descendants();
     result.peak_rss_mib = static_cast<double>(usage.ru_maxrss) / 1024;
     if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);

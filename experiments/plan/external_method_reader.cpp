@@ -52,6 +52,8 @@ std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table
     MethodSweep sweep(reader, parameters, MethodLabel{name, {}});
     for (const auto& entry : reader.entries(table)) {
         if (is_one_of(entry.key, settings)) continue;
+        if (entry.key == "spp" && !is_one_of("spp", placeholders))
+            reject(entry.key_at, "'spp' has no effect: the command lacks the placeholder {{spp}}");
         if (!is_one_of(entry.key, names_of(parameters)))
             reject(entry.key_at,
                    "unknown key '{}' in a [[method]] with a command; there are: {}, and the names in braces in "

@@ -2,6 +2,7 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "experiments/slurm/log_pattern.h"
 #include "experiments/system/child_process.h"
 
 #include <fmt/format.h>
@@ -102,7 +103,8 @@ std::uint64_t submit_job(const SlurmJob& job) {
         "--job-name=" + job.name,
         fmt::format("--cpus-per-task={}", job.cpus),
         "--chdir=" + fs::current_path().string(),
-        fmt::format("--output={}/%x-%{}.txt", fs::absolute(job.log_folder).string(), job.tasks.empty() ? "j" : "A_%a")};
+        fmt::format("--output={}/%x-%{}.txt", log_pattern(fs::absolute(job.log_folder).string()),
+                    job.tasks.empty() ? "j" : "A_%a")};
     arguments.insert(arguments.end(), job.user_options.begin(), job.user_options.end());
     if (!job.tasks.empty()) arguments.push_back("--array=" + ranges_of(job.tasks));
     if (!job.after.empty()) arguments.push_back(fmt::format("--dependency=afterany:{}", fmt::join(job.after, ":")));

@@ -171,6 +171,29 @@ struct ModelsOf {
             models.push_back({fmt::format("phong {}", exponent), bsdf("phong", number("exponent", exponent))});
         return models;
     }
+    Models operator()(std::type_identity<RoughDiffuse>) const {
+        Models models;
+        for (double alpha : {0.0, 0.2, 0.7, 3.0})
+            models.push_back({fmt::format("roughdiffuse {}", alpha),
+                              bsdf("roughdiffuse", reflectance("0.2, 0.5, 0.8") + number("alpha", alpha))});
+        models[0].albedo = 0.5;
+        models.push_back({"fast roughdiffuse",
+                          bsdf("twosided", bsdf("roughdiffuse", number("alpha", 0.5) +
+                                                                    "<boolean name='use_fast_approx' value='true'/>")),
+                          1,
+                          {},
+                          true});
+        return models;
+    }
+    Models operator()(std::type_identity<Ward>) const {
+        Models models;
+        for (const std::string variant : {"balanced", "ward", "ward-duer"})
+            for (double alpha : {0.02, 0.3})
+                models.push_back({fmt::format("{} {}", variant, alpha),
+                                  bsdf("ward", "<string name='variant' value='" + variant + "'/>" +
+                                                   number("alpha_u", alpha) + number("alpha_v", 0.15))});
+        return models;
+    }
     Models operator()(std::type_identity<Principled>) const {
         const std::string amber = "<rgb name='base_color' value='0.6, 0.4, 0.1'/>", glass = number("eta", 1.5);
         return {
@@ -238,7 +261,15 @@ std::vector<BsdfModel> checked_models_of(std::type_identity<T> type) {
 std::vector<BsdfModel> mixed_models() {
     const std::string diffuse = bsdf("diffuse", reflectance("0.5"));
     const std::string rough = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.05));
+    const std::string absorbing = glass_index + "<rgb name='sigma_a' value='0.1, 0.4, 1'/>" + number("thickness", 0.5);
     return {
+        {"coating of diffuse", bsdf("coating", absorbing + diffuse)},
+        {"coating of thin index of diffuse", bsdf("coating", number("int_ior", 1) + number("ext_ior", 1.3) + diffuse)},
+        {"coating of a rough metal, both sides", bsdf("coating", absorbing + bsdf("twosided", rough)), 1, {}, true},
+        {"coating of a mirror", bsdf("coating", glass_index + bsdf("conductor", mirror_index))},
+        {"roughcoating of a blend",
+         bsdf("roughcoating",
+              absorbing + microfacets("ggx", 0.2) + bsdf("blendbsdf", number("weight", 0.3) + diffuse + rough))},
         {"blend of diffuse and glossy", bsdf("blendbsdf", number("weight", 0.3) + diffuse + rough)},
         {"mask", bsdf("mask", number("opacity", 0.3) + bsdf("twosided", rough)), 1, {}, true},
         {"blend of diffuse and mirror",

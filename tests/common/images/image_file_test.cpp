@@ -5,6 +5,12 @@
 #include "common/images/splat_film.h"
 #include "tests/support/scene_errors.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -101,6 +107,61 @@ TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
     for (std::size_t p = 0; p < image.pixels(); ++p)
         for (std::size_t k = 0; k < 3; ++k)
             EXPECT_EQ(grey.find("")->rgb[3 * p + k], image.rgb[3 * p + 1]);
+}
+
+/// Writes the channels of an EXR file, each with one value in its 2 x 1 pixels.
+std::string write_channels(const std::string& path, const std::vector<std::pair<std::string, float>>& channels) {
+    Imf::Header header(2, 1);
+    Imf::FrameBuffer pixels;
+    std::vector<std::array<float, 2>> values;
+    for (const auto& channel : channels)
+        values.push_back({channel.second, channel.second});
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        header.channels().insert(channels[i].first, Imf::Channel(Imf::FLOAT));
+        pixels.insert(channels[i].first, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values[i].data()),
+                                                    sizeof(float), 2 * sizeof(float)));
+    }
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(1);
+    return path;
+}
+
+// The white of sRGB is D65, whose X, Y and Z are 0.95047, 1 and 1.08883.
+TEST(ImageFile, XyzBecomesRgbInEveryLayer) {
+    const TemporaryFolder folder;
+    const LayeredImage file = read_image(write_channels(folder / "xyz.exr", {{"X", 0.95047f},
+                                                                             {"Y", 1.f},
+                                                                             {"Z", 1.08883f},
+                                                                             {"direct.X", 0.4124f},
+                                                                             {"direct.Y", 0.2126f},
+                                                                             {"direct.Z", 0.0193f},
+                                                                             {"A", 1.f}}));
+    ASSERT_NE(file.find(""), nullptr);
+    ASSERT_NE(file.find("direct"), nullptr);
+    for (std::size_t k = 0; k < 6; ++k) {
+        EXPECT_NEAR(file.find("")->rgb[k], 1, 1e-3);
+        EXPECT_NEAR(file.find("direct")->rgb[k], k % 3 == 0 ? 1 : 0, 1e-3);
+    }
+}
+
+TEST(ImageFile, ALayerWithSomeOfItsChannelsIsRefused) {
+    using Channels = std::vector<std::pair<std::string, float>>;
+    const TemporaryFolder folder;
+    const Channels image = {{"R", 1.f}, {"G", 1.f}, {"B", 1.f}};
+    const auto error_of = [&](Channels channels, bool beside_an_image) {
+        if (beside_an_image) channels.insert(channels.end(), image.begin(), image.end());
+        return input_error_of([&] { read_image(write_channels(folder / "x.exr", channels)); });
+    };
+    EXPECT_THAT(error_of({{"X", 1.f}, {"Y", 1.f}}, false), HasSubstr("the layer '' has a channel X, but not all of"));
+    EXPECT_THAT(error_of({{"x", 1.f}, {"y", 1.f}, {"z", 1.f}}, false), HasSubstr("no channels R,G,B or Y"));
+    EXPECT_THAT(error_of({{"stderr.R", 1.f}, {"stderr.G", 1.f}}, true),
+                HasSubstr("the layer 'stderr' has a channel G"));
+    EXPECT_THAT(error_of({{"direct.X", 1.f}, {"direct.Y", 1.f}}, true),
+                HasSubstr("the layer 'direct' has a channel X"));
+    // Y alone is grey, also beside a depth Z; what others keep in layers of their own names does not matter.
+    EXPECT_EQ(error_of({{"Y", 1.f}, {"Z", 9.f}}, false), "no error");
+    EXPECT_EQ(error_of({{"flow.R", 1.f}, {"flow.G", 1.f}}, true), "no error");
 }
 
 TEST(ImageFile, WrongFilesAreErrorsWithTheirName) {

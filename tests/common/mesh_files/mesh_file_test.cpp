@@ -157,7 +157,7 @@ TEST(ObjFile, ErrorsNameThePlace) {
                    {"v 0 0 0\nf 1 1 2\n", "2:7", "vertex index 2 is out of range"},
                    {"v 0 0 0\nf 0 1 1\n", "2:3", "vertex index 0 is out of range"},
                    {"v 0 0 0\nf 1/1 1 1\n", "2:5", "texture coordinate index 1 is out of range"},
-                   {"v 0 0 0\nf 1 1\n", "2:6", "a face has only 2 vertices"},
+                   {"v 0 0 0\nf 1 1\n", "3:1", "the mesh is empty"},
                    {"v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n", "3:6", "a normal index is missing"},
                    {"v 0 0 0\nf 1 \\\n 1 x\n", "3:4", "bad number 'x'"},
                    {"v 0 0 0\nf 1 1 1//\r\n", "2:10", "a normal index is missing"},
@@ -238,6 +238,22 @@ TEST(PlyFile, AHugeCountReservesNoMemory) {
         StartsWith("m.ply:7:1: truncated"));
 }
 
+TEST(MeshFiles, FacesOfFewerThanThreeCornersAreLeftOutWithAWarning) {
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
+    const MeshData obj = parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\nf 3\n", "m.obj"),
+                   ply = parse_ply(
+                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+                       "float z\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n" +
+                           corners + "2 0 1\n3 0 1 2\n0\n",
+                       "m.ply");
+    for (const MeshData* mesh : {&obj, &ply}) {
+        EXPECT_EQ(mesh->triangles, (std::vector<Triangle>{{0, 1, 2}}));
+        ASSERT_EQ(mesh->warnings.size(), 1u);
+        EXPECT_THAT(mesh->warnings[0], HasSubstr("2 faces of fewer than three corners are left out, the first here"));
+    }
+    EXPECT_THAT(obj.warnings[0], StartsWith("m.obj:4:"));
+}
+
 TEST(PlyFile, ErrorsNameThePlace) {
     const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 3\n" + xyz +
@@ -252,7 +268,7 @@ TEST(PlyFile, ErrorsNameThePlace) {
                    {"ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n", "", "the mesh is empty"},
                    {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "13:7", "vertex index 3 is out of range"},
                    {head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "11:3", "vertex 1 is not finite"},
-                   {head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "13:1", "face 0 has only 2 vertices"},
+                   {head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "", "the mesh is empty"},
                    {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "14:1", "truncated"}},
                   ply_error, "m.ply");
 }

@@ -24,7 +24,7 @@ std::string matrix(const std::string& values) { return to_world("<matrix value='
 TEST(EmitterErrors, Plugins) {
     expect_errors("moon", {{"", "3:10",
                             "the emitter 'moon' is not supported; supported are: point, spot, projector, directional, "
-                            "constant, envmap, sunsky, sky, sun, area"}});
+                            "constant, envmap, sunsky, sky, sun, area, collimated"}});
     test::expect_errors({{shape("sphere") + "\n" + emitter("area"), "3:1", "must stand in a shape"},
                          {shape("sphere", "\n", emitter("constant")), "3:10", "supported are: area"}});
 }

@@ -191,7 +191,7 @@ TEST(SpectrumErrors, Lists) {
                    {list("400:1e39 500:0"), "3:27", "too large"},
                    {"<spectrum name='radiance'/>", "3:1", "<spectrum> needs the attribute"},
                    {"<spectrum name='radiance' value='1' filename='a'/>", "3:37", "there is no file 'a'"},
-                   {rgb("radiance", "#ff0000"), "3:22", "bad number '#ff0000'"}},
+                   {rgb("radiance", "#ff00"), "3:22", "bad colour '#ff00': expected #rrggbb"}},
                   [](const std::string& content) { return lamp_error(content); });
 }
 

@@ -289,7 +289,7 @@ std::string error_of(const std::string& content) {
 }
 
 TEST(OldVersions, RefuseWhatIsNotKnownByItsName) {
-    for (const std::string type : {"ward", "roughdiffuse", "coating"})
+    for (const std::string type : {"irawan", "hk", "difftrans"})
         EXPECT_THAT(error_of(bsdf(type)), HasSubstr("the bsdf '" + type + "' is not supported"));
 }
 
@@ -310,10 +310,10 @@ TEST(OldVersions, RefuseWeightsThatDoNotFitTheMixture) {
 
 TEST(OldVersions, WarnOfWhatNothingRefersTo) {
     const auto load_with = [](const std::string& content) {
-        return Scene(new_sensor, with_id("bsdf", "ward", "unused"), sky, shape("sphere", content)).load();
+        return Scene(new_sensor, with_id("bsdf", "hk", "unused"), sky, shape("sphere", content)).load();
     };
-    EXPECT_THAT(load_with("").warnings, ::testing::ElementsAre(HasSubstr("the bsdf 'ward' is not supported")));
-    EXPECT_THAT(input_error_of([&] { load_with(reference("unused")); }), HasSubstr("the bsdf 'ward' is not supported"));
+    EXPECT_THAT(load_with("").warnings, ::testing::ElementsAre(HasSubstr("the bsdf 'hk' is not supported")));
+    EXPECT_THAT(input_error_of([&] { load_with(reference("unused")); }), HasSubstr("the bsdf 'hk' is not supported"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "tests/support/run_fixtures.h"
 #include "tests/support/source_path.h"
 
+#include <signal.h>
 #include <limits>
 
 namespace gib::test::external_run_test {
@@ -127,6 +128,17 @@ TEST_F(ExternalRun, AnInterruptEndsTheCommand) {
     BackgroundRun background(path());
     ASSERT_TRUE(comes_true([&] { return fs::exists(cell("hangs", "stderr.txt")); }));
     EXPECT_EQ(background.interrupt(SIGINT), 130) << background.said();
+}
+
+TEST_F(ExternalRun, NothingThatACommandHasStartedOutlivesIt) {
+    write_methods(toy("leaves") + toy("escapes", "timeout = 5\n"));
+    EXPECT_EQ(run().code, 1);
+    for (const char* file : {"left.pid", "escaped.pid"}) {
+        const pid_t pid = std::stoi(read_file(path(file)));
+        EXPECT_EQ(kill(pid, 0), -1) << file;
+        kill(pid, SIGKILL);
+    }
+    EXPECT_EQ(field("leaves", "seeds"), "1");
 }
 
 TEST_F(ExternalRun, WhatPovrayCannotExpressStopsBeforeAnythingIsRendered) {

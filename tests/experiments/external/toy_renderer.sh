@@ -1,6 +1,6 @@
 #!/bin/sh
 # A renderer for the tests of methods with a command: toy_renderer.sh MODE GIBENCH SCENE SPP SEED OUT
-# MODE says how it behaves: right, dark, slow, fails, crashes, hangs, nan, small or nothing.
+# MODE says how it behaves: right, dark, slow, fails, crashes, hangs, leaves, escapes, nan, small or nothing.
 mode=$1 gibench=$2 scene=$3 spp=$4 seed=$5 out=$6
 
 render() {
@@ -35,6 +35,13 @@ fails)
     ;;
 crashes) kill -SEGV $$ ;;
 hangs) sleep 1000 ;;
+# Both leave a process in a session of its own, which has written its number to a file.
+leaves)
+    setsid -f sh -c 'echo $$ >left.pid; exec sleep 1000'
+    until [ -s left.pid ]; do sleep 0.1; done
+    render "$out"
+    ;;
+escapes) setsid -w sh -c 'sh -c "echo \$\$ >escaped.pid; exec sleep 1000"; true' ;;
 nan) square 8 '\000\000\300\177' >"$out" ;;
 small) square 4 '\000\000\000\000' >"$out" ;;
 nothing) ;;

@@ -202,7 +202,7 @@ TEST_F(ExternalMethodTest, MessagesNameThePlaceAndWhatThereIs) {
         EXPECT_THAT(error_of(command), HasSubstr(error)) << command;
     for (const auto& [placeholders, keys, error] :
          {std::tuple{"", "mode = 3\n", "e.toml:5:1: unknown key 'mode'"},
-          {"", "spp = 3\n", "e.toml:5:1: unknown key 'spp'"},
+          {"", "spp = 3\n", "e.toml:5:1: 'spp' has no effect: the command lacks the placeholder {spp}"},
           {"{seed}", "seed = 3\n", "e.toml:5:1: unknown key 'seed'"},
           {"{spp}", "spp = 0\n", "e.toml:5:7: parameter 'spp' = 0 is out of range"},
           {"{m}", "m = 'a b'\n", "e.toml:2:1: "},
