@@ -468,7 +468,7 @@ private:
 
 std::string reference_key(const std::string& content_hash, const MethodLabel& label, std::uint64_t seed) {
     ContentHash hash;
-    hash.add("reference 1");
+    hash.add("reference 2");
     hash.add(content_hash);
     hash.add(label.text());
     hash.add(fmt::format("{}", glossy_roughness));  // it decides which component a path belongs to
