@@ -97,7 +97,7 @@ TEST(BsdfErrors, Reflectances) {
                            {rgb(name, -0.1), rgb_place, range + "-0.1"},
                            {rgb(name, "1 2"), rgb_place, "'" + name + "' takes one or three numbers, found 2"},
                            {rgb(name, "nan"), rgb_place, "bad number 'nan'"},
-                           {rgb(name, "#ff0000"), rgb_place, "bad number '#ff0000'"},
+                           {rgb(name, "#ff00"), rgb_place, "bad colour '#ff00': expected #rrggbb"},
                            {"<spectrum name='" + name + "' value='2'/>", value_place("spectrum", name), range + "2"},
                            {"<integer name='" + name + "' value='0.5'/>", value_place("integer", name),
                             "bad number '0.5': expected an integer"},
