@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <iterator>
 #include <map>
 
@@ -10,29 +11,32 @@ namespace gib {
 
 namespace {
 
-/// Shape, place in steps of a thousandth of a patch, and normal in steps of 1/64, so that rounding parts no corners.
-using Identity = std::array<long, 7>;
-
-Identity identity_of(std::uint32_t shape, const Vec3d& p, const Vec3& n) {
-    const auto normal = [&](int i) { return std::lround(64 * n[i]); };
-    return {shape, std::lround(p.x()), std::lround(p.y()), std::lround(p.z()), normal(0), normal(1), normal(2)};
+/// Tells corners apart: shape, place, and normal in steps of 1/64, which is coarser than the rounding of normals that
+/// two patches compute for the same corner.
+std::array<std::uint32_t, 7> identity_of(std::uint32_t shape, const Vec3& p, const Vec3& n) {
+    std::array<std::uint32_t, 7> identity{shape};
+    for (int i = 0; i < 3; ++i) {
+        identity[static_cast<std::size_t>(1 + i)] = std::bit_cast<std::uint32_t>(p[i] + 0.f);
+        identity[static_cast<std::size_t>(4 + i)] = static_cast<std::uint32_t>(std::lround(64 * n[i]));
+    }
+    return identity;
 }
 
 }  // namespace
 
 PatchCorners::PatchCorners(const PatchMesh& mesh) : mesh_(mesh), of_leaf_(mesh.nodes().size()) {
-    std::map<Identity, std::uint32_t> known;
+    std::map<std::array<std::uint32_t, 7>, std::uint32_t> known;
     for (const std::uint32_t i : mesh.leaves()) {
         const PatchNode& leaf = mesh.nodes()[i];
         const Chart& chart = mesh.chart_of(leaf);
         for (std::size_t k = 0; k < leaf.corner_count(); ++k) {
-            const Vec3d p = chart.position(leaf.corners[k]);
+            const Vec3 p = chart.position(leaf.corners[k]).cast<float>();
             const Vec3 n = mesh.point_of_side(mesh.sides()[leaf.side], leaf.corners[k]).ns;
-            const auto [entry, is_new] = known.try_emplace(identity_of(chart.shape, 1000 / mesh.size() * p, n),
-                                                           static_cast<std::uint32_t>(places_.size()));
+            const auto [entry, is_new] =
+                known.try_emplace(identity_of(chart.shape, p, n), static_cast<std::uint32_t>(places_.size()));
             of_leaf_[i][k] = entry->second;
             if (!is_new) continue;
-            places_.push_back(p.cast<float>());
+            places_.push_back(p);
             normals_.push_back(n);
         }
     }

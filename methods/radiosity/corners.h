@@ -1,6 +1,7 @@
 #pragma once
-// The plain display of a solution interpolates values at the corners of patches: a corner takes the mean of the patches
-// around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one, by rays, is in view.cpp.
+// The display of a solution. The plain one interpolates values at the corners of patches: a corner takes the mean of the
+// patches around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one gathers once more from the
+// patches by rays (view.cpp), which needs no corners.
 
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/radiosity/system.h"

@@ -21,7 +21,8 @@ struct PatchLink {
 };
 
 struct LinkSettings {
-    /// The error of a link over the mean irradiance; 0 links every two leaves: the matrix of Goral et al. 1984.
+    /// The irradiance that a link may get wrong, as a share of the mean irradiance. 0 links every two leaves, which
+    /// gives the matrix of Goral et al. 1984.
     double error;
     std::uint64_t seed;
 };

@@ -44,7 +44,6 @@ public:
     PatchMesh(const Charts& charts, double size);
 
     const Charts& charts() const { return charts_; }
-    double size() const { return size_; }
     /// The sides of charts; those of a cluster are neighbours.
     const std::vector<PatchSide>& sides() const { return sides_; }
     /// A parent comes before its children; the first node holds all.

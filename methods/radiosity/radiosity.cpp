@@ -3,17 +3,21 @@
 // Computes: `emission` and `direct` at the surfaces that the eye sees, by samples of the pixels; `indirect` from a
 // solution of B_i = E_i + rho_i sum of F_ij B_j between patches: by default hierarchical (Hanrahan, Salzman and Aupperle
 // 1991), else by the matrix of all pairs of patches (Goral et al. 1984). Where max_depth limits paths, the reflections
-// that it allows are summed. Direct light on patches is sampled, so lights of every kind are allowed.
+// that the limit allows are summed. The unknown is the light that patches reflect; direct light on them is sampled, so
+// lights of every kind are allowed.
 // Parameters: patch, solver, links, gather, ply; spp and max_depth as for all methods.
+// Display: irradiance is interpolated between the corners of patches (Cohen and Greenberg 1985), or, with `gather`,
+// found by rays that see patches.
 // Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
 // materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
 // varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
 // it is exact. A coloured thin sheet dims the exchange by the mean of its channels.
-// Bias: light is constant over patches and groups of patches, and in the view linear between corners. Indirect light is
-// too low by a share that shrinks with `links` and `patch` (1.7 % in cornell-box.xml).
-// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (eight steps of
-// conjugate gradients, or the direct solution; with max_depth, as many reflections again as in all passes before, but at
-// least 8); then one sample of every pixel. A change of
+// Bias: light is constant over patches and groups of patches, and in the view linear between corners. Where light is
+// brightest where surfaces meet, or a shadow falls across a patch, its mean is sent out: indirect light is too low by a
+// share that shrinks with the size of patches (BIAS in cornell-box.xml).
+// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (eight steps of conjugate
+// gradients, or the direct solution; with max_depth, as many reflections again as in all passes before, but at least 8);
+// then one sample of every pixel. A change of
 // the solution starts the samples again. `facts` say how far the solver has come, and how closed the system is.
 // Cost: links between groups of patches and clusters of surfaces let it grow with the number of patches; the matrix
 // grows with its square.

@@ -8,8 +8,9 @@
 // Where max_depth limits paths, it is that sum up to the reflections that it allows. It exists even in a closed scene that
 // absorbs nothing.
 //
-// Directly, as Goral et al. 1984 solve: the matrix is (1 - rho_i F_ij). With D = sqrt(rho / A) and X = D Y it becomes
-// symmetric, (1 - D G D) Y = D A E_direct, so Cholesky's factors take the place of Gauss's elimination.
+// Directly, as Goral et al. 1984 solve: the matrix is (1 - rho_i F_ij). With D = sqrt(rho / A) and X = D Y the system is
+// (1 - D G D) Y = D A E_direct, whose matrix is symmetric and positive definite, so Cholesky's factors take the place
+// of Gauss's elimination.
 
 #include "methods/radiosity/system.h"
 

@@ -14,6 +14,8 @@ constexpr std::size_t nodes_per_block = 1024;
 constexpr int scaling_rounds = 40;
 /// The largest distance of a row sum from 1 at which scaling ends.
 constexpr double scaled_enough = 1e-7;
+/// The irradiance that a difference between the halves of a node may cause for display, over the mean radiosity.
+constexpr double allowed_unevenness = 1e-4;
 
 }  // namespace
 
@@ -25,10 +27,10 @@ RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light,
       first_link_(mesh.nodes().size() + 1, 0),
       scales_(mesh.nodes().size(), 1.0) {
     sort_links(links);
-    const PatchColors sums = irradiance(ones());
+    const std::vector<double> sums = row_sums();
     double whole = 0;
     for (const std::uint32_t leaf : leaves()) {
-        const double distance = std::abs(sums[leaf][0] - 1);
+        const double distance = std::abs(sums[leaf] - 1);
         closure_.mean += area(leaf) * distance;
         closure_.largest = std::max(closure_.largest, distance);
         whole += area(leaf);
@@ -52,15 +54,23 @@ void RadiositySystem::sort_links(const std::vector<PatchLink>& links) {
     }
 }
 
+std::vector<double> RadiositySystem::row_sums() const {
+    const PatchColors E = irradiance(PatchColors(node_count(), Colord::Ones()));
+    std::vector<double> sums;
+    for (const Colord& e : E)
+        sums.push_back(e[0]);
+    return sums;
+}
+
 /// Scales rows and columns alike by s, so that G stays symmetric, until all row sums of K are 1.
 void RadiositySystem::normalise_rows() {
     for (int round = 0; round < scaling_rounds; ++round) {
-        const PatchColors sums = irradiance(ones());
+        const std::vector<double> sums = row_sums();
         double worst = 0;
         for (const std::uint32_t leaf : leaves()) {
-            if (!(sums[leaf][0] > 0)) continue;  // the patch sees nothing
-            scales_[leaf] /= std::sqrt(sums[leaf][0]);
-            worst = std::max(worst, std::abs(sums[leaf][0] - 1));
+            if (!(sums[leaf] > 0)) continue;  // the patch sees nothing
+            scales_[leaf] /= std::sqrt(sums[leaf]);
+            worst = std::max(worst, std::abs(sums[leaf] - 1));
         }
         if (worst < scaled_enough) break;
     }
@@ -77,14 +87,6 @@ PatchColors RadiositySystem::irradiance(PatchColors X) const {
     for (const std::uint32_t leaf : leaves())
         E[leaf] *= scales_[leaf];
     return E;
-}
-
-bool RadiositySystem::has_cluster(std::uint32_t p, std::uint32_t q) const {
-    return mesh_.nodes()[p].is_cluster() || mesh_.nodes()[q].is_cluster();
-}
-
-Vec3d RadiositySystem::direction(std::uint32_t from, std::uint32_t to) const {
-    return (mesh_.nodes()[to].center - mesh_.nodes()[from].center).normalized();
 }
 
 /// The radiosity of a group is the mean over its halves, weighted by area.
@@ -127,15 +129,30 @@ PatchColors RadiositySystem::irradiance_at_centres(PatchColors X) const {
     PatchColors E = gathered_at_centres(std::move(X));
     if (!is_closed_) return E;
     // In a closed scene all of the hemisphere is seen.
-    const PatchColors sums = gathered_at_centres(ones());
+    const PatchColors sums = gathered_at_centres(PatchColors(node_count(), Colord::Ones()));
     for (const std::uint32_t leaf : leaves())
         if (sums[leaf][0] > 0) E[leaf] /= sums[leaf];
     return E;
 }
 
+/// The irradiance at x from a node of patches, or from its halves where these differ so much that it matters.
+Colord RadiositySystem::received_from(std::uint32_t node, const Vec3d& x, const Vec3d& normal, const PatchColors& X,
+                                      double allowed) const {
+    const PatchNode& patch = mesh_.nodes()[node];
+    const double factor = point_form_factor(x, normal, patch.polygon);
+    if (!(factor > 0)) return Colord::Zero();
+    if (const std::uint32_t a = patch.child; a != no_node) {
+        const double nearness = std::min(1.0, patch.radius / (patch.center - x).norm());
+        if (factor * nearness * (X[a] - X[a + 1]).abs().mean() > allowed)
+            return received_from(a, x, normal, X, allowed) + received_from(a + 1, x, normal, X, allowed);
+    }
+    return factor * X[node];
+}
+
 PatchColors RadiositySystem::gathered_at_centres(PatchColors X) const {
     const auto& nodes = mesh_.nodes();
     pull(X);
+    const double allowed = allowed_unevenness * power(X).mean() / power(PatchColors(node_count(), Colord::Ones()))[0];
     const PatchColors sent = sent_over_clusters(X);
     PatchColors E(node_count(), Colord::Zero());
     parallel_blocks(leaves().size(), nodes_per_block / 16, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -153,7 +170,7 @@ PatchColors RadiositySystem::gathered_at_centres(PatchColors X) const {
                     } else if (node == leaf && other.is_leaf()) {
                         E[leaf] += static_cast<double>(links_[n].exchange) / nodes[leaf].area * X[links_[n].other];
                     } else {
-                        E[leaf] += visible * point_form_factor(x, normal, other.polygon) * X[links_[n].other];
+                        E[leaf] += visible * received_from(links_[n].other, x, normal, X, allowed);
                     }
                 }
         }

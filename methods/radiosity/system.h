@@ -60,14 +60,20 @@ public:
 
 private:
     void sort_links(const std::vector<PatchLink>& links);
+    std::vector<double> row_sums() const;
     void normalise_rows();
-    PatchColors ones() const { return PatchColors(node_count(), Colord::Ones()); }
-    bool has_cluster(std::uint32_t p, std::uint32_t q) const;
-    Vec3d direction(std::uint32_t from, std::uint32_t to) const;
+    bool has_cluster(std::uint32_t p, std::uint32_t q) const {
+        return mesh_.nodes()[p].is_cluster() || mesh_.nodes()[q].is_cluster();
+    }
+    Vec3d direction(std::uint32_t from, std::uint32_t to) const {
+        return (mesh_.nodes()[to].center - mesh_.nodes()[from].center).normalized();
+    }
     void pull(PatchColors& X) const;
     Colord sent_towards(std::uint32_t node, const Vec3d& w, const PatchColors& X) const;
     PatchColors sent_over_clusters(const PatchColors& X) const;
     PatchColors gathered(const PatchColors& X) const;
+    Colord received_from(std::uint32_t node, const Vec3d& x, const Vec3d& normal, const PatchColors& X,
+                         double allowed) const;
     PatchColors gathered_at_centres(PatchColors X) const;
 
     const PatchMesh& mesh_;
