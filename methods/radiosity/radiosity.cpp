@@ -15,9 +15,8 @@
 // Bias: light is constant over patches and groups of patches, and in the view linear between corners. Where light is
 // brightest where surfaces meet, or a shadow falls across a patch, its mean is sent out: indirect light is too low by a
 // share that shrinks with the size of patches (BIAS in cornell-box.xml).
-// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (eight steps of conjugate
-// gradients, or the direct solution; with max_depth, as many reflections again as in all passes before, but at least 8);
-// then one sample of every pixel. A change of
+// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (as many reflections
+// again as in all passes before, but at least 8; or the direct solution); then one sample of every pixel. A change of
 // the solution starts the samples again. `facts` say how far the solver has come, and how closed the system is.
 // Cost: links between groups of patches and clusters of surfaces let it grow with the number of patches; the matrix
 // grows with its square.

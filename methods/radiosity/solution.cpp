@@ -47,73 +47,36 @@ double RadiositySolution::share_of_first(const PatchColors& values) const {
 
 void RadiositySolution::sweep() {
     ++sweeps_;
-    if (reflections_) add_reflections();
-    else if (solver_ == RadiositySolver::direct) solve_directly();
-    else iterate();
+    if (solver_ == RadiositySolver::direct && !reflections_) solve_directly();
+    else add_reflections();
 }
 
 void RadiositySolution::add_reflections() {
     constexpr int least = 8;
-    const int end = summed_ > *reflections_ / 2 ? *reflections_ : std::min(*reflections_, std::max(least, 2 * summed_));
-    for (; summed_ < end && !has_converged(); ++summed_) {
-        term_ = reflected(std::move(term_));
-        for (const std::uint32_t leaf : system_.leaves())
+    const int most = reflections_.value_or(std::numeric_limits<int>::max());
+    const int end = summed_ > most / 2 ? most : std::min(most, std::max(least, 2 * summed_));
+    const double before = residual_;
+    const int begin = summed_;
+    for (; summed_ < end && (!has_converged() || summed_ == begin); ++summed_) {
+        term_ = system_.irradiance(std::move(term_));
+        for (const std::uint32_t leaf : system_.leaves()) {
+            term_[leaf] *= system_.reflectance(leaf);
             X_[leaf] += term_[leaf];
+        }
         residual_ = share_of_first(term_);
     }
-    if (summed_ == *reflections_) residual_ = 0;
-}
-
-PatchColors RadiositySolution::reflected(PatchColors X) const {
-    PatchColors E = system_.irradiance(std::move(X));
-    for (const std::uint32_t leaf : system_.leaves())
-        E[leaf] *= system_.reflectance(leaf);
-    return E;
-}
-
-Colord RadiositySolution::product(const PatchColors& a, const PatchColors& b) const {
-    Colord sum = Colord::Zero();
-    for (const std::uint32_t leaf : system_.leaves()) {
-        const Colord& rho = system_.reflectance(leaf);
-        sum += (rho > 0).select(system_.area(leaf) * a[leaf] * b[leaf] / rho.max(1e-300), Colord(Colord::Zero()));
-    }
-    return sum;
-}
-
-void RadiositySolution::iterate() {
-    constexpr int steps = 8;
-    if (sweeps_ == 1) {
-        residuals_ = reflected(X_);  // of X = B1
-        directions_ = residuals_;
-    }
-    for (int i = 0; i < steps && !has_converged(); ++i) {
-        const Colord before = product(residuals_, residuals_);
-        const PatchColors reflections = reflected(directions_);
-        PatchColors kept = directions_;
-        for (const std::uint32_t leaf : system_.leaves())
-            kept[leaf] -= reflections[leaf];
-        const Colord energy = product(directions_, kept);
-        if ((before > 0 && energy <= 0).any()) refuse_to_reflect_for_ever();
-        const Colord step = (before > 0).select(before / energy.max(1e-300), Colord(Colord::Zero()));
-        for (const std::uint32_t leaf : system_.leaves()) {
-            X_[leaf] += step * directions_[leaf];
-            residuals_[leaf] -= step * kept[leaf];
-        }
-        const Colord ratio =
-            (before > 0).select(product(residuals_, residuals_) / before.max(1e-300), Colord(Colord::Zero()));
-        for (const std::uint32_t leaf : system_.leaves())
-            directions_[leaf] = residuals_[leaf] + ratio * directions_[leaf];
-        residual_ = share_of_first(residuals_);
-    }
+    if (summed_ == most) residual_ = 0;
+    // As many reflections as in all sweeps before have absorbed nothing.
+    else if (!reflections_ && begin > 1 && residual_ > 0 && residual_ >= before) refuse_to_reflect_for_ever();
 }
 
 void RadiositySolution::solve_directly() {
     if (sweeps_ > 1) return;
     for (int c = 0; c < 3; ++c)
         if (first_power_[c] > 0) solve_channel(c);
-    PatchColors r = reflected(X_);
+    PatchColors r = system_.irradiance(X_);
     for (const std::uint32_t leaf : system_.leaves())
-        r[leaf] += system_.first_reflection(leaf) - X_[leaf];
+        r[leaf] = system_.first_reflection(leaf) + system_.reflectance(leaf) * r[leaf] - X_[leaf];
     residual_ = share_of_first(r);
 }
 

@@ -1,12 +1,10 @@
 #pragma once
 // Solutions of X = B1 + rho K X (system.h).
 //
-// By iteration over links (Hanrahan et al. 1991), with conjugate gradients (Hestenes and Stiefel 1952): rho K is self-adjoint for the
-// product <X, Y> = sum of A_i X_i Y_i / rho_i, because A_i K_ij = A_j K_ji, and 1 - rho K is positive as long as some light is
-// absorbed. The sum of reflections, B1 + rho K B1 + ..., would take 1 / (1 - rho) times as many products with K.
-//
-// Where max_depth limits paths, it is that sum up to the reflections that it allows. It exists even in a closed scene that
-// absorbs nothing.
+// By iteration, as Hanrahan et al. 1991 solve over links: each product with K adds the light of one more reflection,
+// X_n = B1 + rho K B1 + ... + (rho K)^(n - 1) B1, a partial sum of the Neumann series. It stops where another
+// reflection adds little, or where the limit on the length of paths does. With a limit the sum exists even in a closed
+// scene that absorbs nothing.
 //
 // Directly, as Goral et al. 1984 solve: the matrix is (1 - rho_i F_ij). With D = sqrt(rho / A) and X = D Y the system is
 // (1 - D G D) Y = D A E_direct, whose matrix is symmetric and positive definite, so Cholesky's factors take the place
@@ -34,8 +32,7 @@ public:
     RadiositySolution(const RadiositySystem& system, RadiositySolver solver,
                       std::optional<int> reflections = std::nullopt);
 
-    /// Solves directly, or takes eight steps of conjugate gradients, or adds as many reflections again as are summed, but
-    /// at least 8, until the residual is small.
+    /// Solves directly, or adds as many reflections again as are summed, but at least 8, until the residual is small.
     void sweep();
     /// X of all leaves after the sweeps so far [W/m^2].
     const PatchColors& radiosity() const { return X_; }
@@ -47,11 +44,6 @@ public:
 
 private:
     void add_reflections();
-    void iterate();
-    /// rho K X.
-    PatchColors reflected(PatchColors X) const;
-    /// <a, b>, by channel.
-    Colord product(const PatchColors& a, const PatchColors& b) const;
     void solve_directly();
     void solve_channel(int c);
     double share_of_first(const PatchColors& values) const;
@@ -60,8 +52,7 @@ private:
     RadiositySolver solver_;
     std::optional<int> reflections_;
     PatchColors X_;
-    PatchColors term_;                    ///< (rho K)^(n - 1) B1
-    PatchColors residuals_, directions_;  ///< of conjugate gradients
+    PatchColors term_;  ///< (rho K)^(n - 1) B1
     Colord first_power_;
     double residual_ = 0;
     int summed_ = 1, sweeps_ = 0;
