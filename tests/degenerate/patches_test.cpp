@@ -192,7 +192,7 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
         const PatchedScene alone(floor_and(thing), 0.71, 0, false);
         for (const std::string& again : {thing, thing + thing}) {
             const PatchedScene both(floor_and(thing + again), 0.71, 0, false);
-            EXPECT_EQ(both.mesh.leaves().size(), alone.mesh.leaves().size());
+            EXPECT_EQ(both.system.size(), alone.system.size());
             EXPECT_EQ(indirect_power(both)[0], indirect_power(alone)[0]);
         }
     }
@@ -200,7 +200,7 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
     std::string back = one;
     back.insert(back.find('>') + 1, "<boolean name='flip_normals' value='true'/>");
     const PatchedScene turned(floor_and(one + back), 0.71, 0, false);
-    EXPECT_EQ(turned.mesh.leaves().size(), PatchedScene(floor_and(one), 0.71, 0, false).mesh.leaves().size());
+    EXPECT_EQ(turned.system.size(), PatchedScene(floor_and(one), 0.71, 0, false).system.size());
 }
 
 // A ray meets either of two surfaces in the same place by chance; both show the light of that place.
@@ -231,7 +231,7 @@ TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
 TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
     const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, diffuse_bsdf(0.5));
     const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
-    EXPECT_EQ(with_it.mesh.leaves().size(), alone.mesh.leaves().size());
+    EXPECT_EQ(with_it.system.size(), alone.system.size());
 }
 
 std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
@@ -250,7 +250,7 @@ TEST(DegeneratePatches, TrianglesWithoutAreaAreNoPatches) {
                              false);
     const PatchedScene more(floor_and(mesh_shape(folder, "b.obj", corners + faces + lines, diffuse_bsdf(0.8))), 0.71, 0,
                             false);
-    EXPECT_EQ(more.mesh.leaves().size(), plain.mesh.leaves().size());
+    EXPECT_EQ(more.system.size(), plain.system.size());
     EXPECT_EQ(indirect_power(more)[0], indirect_power(plain)[0]);
     EXPECT_GT(indirect_power(plain)[0], 0);
 }

@@ -202,7 +202,7 @@ TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
 TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     const auto reflectance_of = [](const std::string& material) {
         const PatchedScene scene(shape("rectangle", material) + point_light(0, 0, 1, 1), 3, 0, false);
-        EXPECT_EQ(scene.mesh.leaves().size(), 1u);
+        EXPECT_EQ(scene.system.size(), 1u);
         return scene.light.reflectance[0][1];
     };
     EXPECT_NEAR(reflectance_of(grey(0.5)), 0.5, 1e-6);
