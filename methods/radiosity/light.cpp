@@ -1,10 +1,13 @@
 #include "methods/radiosity/light.h"
 
 #include "common/core/parallel.h"
+#include "common/sampling/warp.h"
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/white_surface.h"
+#include "methods/radiosity/contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 
 namespace gib {
@@ -42,32 +45,103 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
+/// The patches that rays from a leaf without direct light meet, one ray from each of its points.
+std::vector<std::uint32_t> seen_from(RayQueries& rays, const PatchMesh& mesh, const PatchLight& light, std::size_t leaf,
+                                     std::uint64_t seed) {
+    std::vector<std::uint32_t> seen;
+    for (std::uint32_t k = 0; k < light.samples; ++k) {
+        const SurfacePoint& from = light.points[light.first_point[leaf] + k];
+        const Vec2 u = Sampler(PointSet::sobol, seed, leaf, k).get_2d(on_patch + 1);
+        const Vec3 w = Frame(from.ng).to_world(square_to_cosine_hemisphere(u));
+        const auto hit = rays.intersect({.o = offset_origin(from, w), .d = w});
+        const auto place = hit ? mesh.locate(*hit, -w) : std::nullopt;
+        if (place) seen.push_back(place->leaf);
+    }
+    return seen;
+}
+
+/// The leaves that no light gets to: those from which no chain of rays leads to one with direct light. Light goes both
+/// ways along a ray.
+std::vector<bool> dark_leaves(const PatchMesh& mesh, const PatchLight& light, std::uint64_t seed, std::uint64_t& rays) {
+    const auto& nodes = mesh.nodes();
+    std::vector<bool> dark(nodes.size(), false);
+    if (mesh.charts().scene().has_holes()) return dark;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        dark[i] = nodes[i].is_leaf() && !(light.irradiance[i].maxCoeff() > 0);
+    std::vector<std::vector<std::uint32_t>> seen(nodes.size());
+    std::atomic<std::uint64_t> traced = 0;
+    parallel_blocks(nodes.size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        RayQueries queries(mesh.charts().scene());
+        for (std::size_t i = begin; i < end; ++i)
+            if (dark[i]) seen[i] = seen_from(queries, mesh, light, i, seed);
+        traced += queries.count();
+    });
+    rays += traced;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            for (const std::uint32_t other : seen[i]) {
+                changed |= dark[i] != dark[other];
+                dark[i] = dark[other] = dark[i] && dark[other];
+            }
+    }
+    return dark;
+}
+
+/// Leaves out the points of a flat leaf that have no direct light and that what stands on the leaf separates from all
+/// points with direct light: they lie under a block. What is left has the radiosity, and is seen, as if it were all of
+/// the leaf. Returns the share of points that are left.
+double leave_out_covered(RayQueries& rays, const PatchNode& leaf, std::span<SurfacePoint> points,
+                         std::span<const Colord> irradiance) {
+    std::vector<SurfacePoint> lit, uncovered;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (irradiance[k].sum() > 0) lit.push_back(points[k]);
+    if (lit.empty() || lit.size() == points.size()) return 1;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const auto reaches = [&](const SurfacePoint& from) { return way_is_clear(rays, from, points[k], leaf.radius); };
+        if (irradiance[k].sum() > 0 || std::any_of(lit.begin(), lit.end(), reaches)) uncovered.push_back(points[k]);
+    }
+    const std::size_t left = uncovered.size();
+    if (left < points.size())
+        for (std::size_t k = 0; k < points.size(); ++k)
+            points[k] = uncovered[k * left / points.size()];
+    return static_cast<double>(left) / static_cast<double>(points.size());
+}
+
+/// Fills in the expected radiosity of inner nodes, which is the mean of their halves, its spread, and its middle.
+void pull_expected(const PatchMesh& mesh, PatchLight& light) {
+    const auto& nodes = mesh.nodes();
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+        if (nodes[i].is_leaf()) continue;
+        const std::uint32_t a = nodes[i].child, b = a + 1;
+        const double share = nodes[a].area / (nodes[a].area + nodes[b].area);
+        light.expected[i] = share * light.expected[a] + (1 - share) * light.expected[b];
+        const double bright = light.expected[i] > 0 ? share * light.expected[a] / light.expected[i] : share;
+        light.middle[i] = bright * light.middle[a] + (1 - bright) * light.middle[b];
+        light.spread[i] = std::sqrt(share * sqr(light.spread[a]) + (1 - share) * sqr(light.spread[b]) +
+                                    share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
+    }
+}
+
 /// Estimates the radiosity that the exchange of light will lead to: light that is reflected more than once is spread
 /// evenly over all patches. Source: the ambient term of Cohen, Chen, Wallace and Greenberg 1988.
 void expect(const PatchMesh& mesh, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     Colord area = Colord::Zero(), absorbed = Colord::Zero(), received = Colord::Zero(), reflected = Colord::Zero();
-    for (const std::uint32_t i : mesh.leaves()) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].is_leaf() || nodes[i].dark) continue;
         area += nodes[i].area;
         absorbed += nodes[i].area * (1 - light.reflectance[i]);
         received += nodes[i].area * light.irradiance[i];
         reflected += nodes[i].area * light.irradiance[i] * light.reflectance[i];
     }
-    light.expected.assign(nodes.size(), 0.0);
-    light.spread.assign(nodes.size(), 0.0);
-    if (mesh.leaves().empty()) return;
+    if (!(area[0] > 0)) return;
     const Colord ambient = reflected / absorbed.max(1e-3 * area);
     light.mean_irradiance = (received / area + ambient).mean();
-    for (const std::uint32_t i : mesh.leaves())
-        light.expected[i] = (light.reflectance[i] * (light.irradiance[i] + ambient)).mean();
-    for (std::size_t i = nodes.size(); i-- > 0;) {
-        if (nodes[i].is_leaf()) continue;
-        const std::uint32_t a = nodes[i].child, b = a + 1;
-        const double share = nodes[a].area / (nodes[a].area + nodes[b].area);
-        light.expected[i] = std::lerp(light.expected[b], light.expected[a], share);
-        light.spread[i] = std::sqrt(std::lerp(sqr(light.spread[b]), sqr(light.spread[a]), share) +
-                                    share * (1 - share) * sqr(light.expected[a] - light.expected[b]));
-    }
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (nodes[i].is_leaf() && !nodes[i].dark)
+            light.expected[i] = (light.reflectance[i] * (light.irradiance[i] + ambient)).mean();
+    pull_expected(mesh, light);
 }
 
 }  // namespace
@@ -78,50 +152,51 @@ Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
     return hit.bsdf->coefficients_local(wo_local).diffuse;
 }
 
-const SurfacePoint& PatchLight::point_of(const PatchMesh& mesh, std::uint32_t node, double u) const {
-    const auto& nodes = mesh.nodes();
-    // The number that chooses a half by its area is used again in that half.
-    while (!nodes[node].is_leaf()) {
-        const std::uint32_t child = nodes[node].child;
-        const double share = nodes[child].area / (nodes[child].area + nodes[child + 1].area);
-        const bool first = u < share;
-        u = first ? u / share : (u - share) / (1 - share);
-        node = first ? child : child + 1;
-    }
-    return points[first_point[node] + std::min(static_cast<std::uint32_t>(u * samples), samples - 1)];
-}
-
-PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
+PatchLight patch_light(PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
                        const StageTimes* stages) {
-    const auto& leaves = mesh.leaves();
+    const auto& nodes = mesh.nodes();
     PatchLight light;
-    light.irradiance.assign(mesh.nodes().size(), Colord::Zero());
-    light.reflectance.assign(mesh.nodes().size(), Colord::Zero());
+    light.irradiance.assign(nodes.size(), Colord::Zero());
+    light.reflectance.assign(nodes.size(), Colord::Zero());
+    light.expected.assign(nodes.size(), 0.0);
+    light.spread.assign(nodes.size(), 0.0);
     light.samples = samples;
-    light.points.resize(samples * leaves.size());
-    light.first_point.assign(mesh.nodes().size(), 0);
+    std::uint32_t count = 0;
+    for (const PatchNode& node : nodes) {
+        light.first_point.push_back(count);
+        if (node.is_leaf()) count += samples;
+    }
+    light.points.resize(count);
+    for (const PatchNode& node : nodes)
+        light.middle.push_back(node.center);
+    std::vector<double> uncovered(nodes.size(), 1.0);
     std::atomic<std::uint64_t> traced = 0;
     std::optional<StageProgress> progress;
-    if (stages) progress.emplace(*stages, "direct light", leaves.size());
-    parallel_blocks(leaves.size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+    if (stages) progress.emplace(*stages, "direct light", nodes.size());
+    parallel_blocks(nodes.size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries queries(mesh.charts().scene());
-        for (std::size_t n = begin; n < end; ++n) {
-            const std::uint32_t i = leaves[n];
-            const PatchNode& leaf = mesh.nodes()[i];
-            const bool textured = !queries.scene().material_of_shape(mesh.chart_of(leaf).shape).constant();
-            light.first_point[i] = static_cast<std::uint32_t>(n) * samples;
+        std::vector<Colord> irradiance(samples);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!nodes[i].is_leaf()) continue;
+            const std::span<SurfacePoint> points(&light.points[light.first_point[i]], samples);
+            const bool textured = !queries.scene().material_of_shape(mesh.chart_of(nodes[i]).shape).constant();
             for (std::uint32_t k = 0; k < samples; ++k) {
                 const Sampler sampler(PointSet::sobol, seed, i, k);
-                const SurfaceHit hit = mesh.point_on(leaf, sampler.get_2d(on_patch).cast<double>());
-                light.points[light.first_point[i] + k] = hit;
-                light.irradiance[i] += irradiance_at(queries, hit, sampler) / samples;
+                const SurfaceHit hit = mesh.point_on(nodes[i], sampler.get_2d(on_patch).cast<double>());
+                points[k] = hit;
+                irradiance[k] = irradiance_at(queries, hit, sampler);
                 if (textured || k == 0) light.reflectance[i] += reflectance_at(hit, hit.ns) / (textured ? samples : 1);
             }
+            if (!mesh.chart_of(nodes[i]).curved)
+                uncovered[i] = leave_out_covered(queries, nodes[i], points, irradiance);
+            for (const Colord& E : irradiance)
+                light.irradiance[i] += E / (uncovered[i] * samples);
         }
         traced += queries.count();
         if (progress) progress->add(end - begin);
     });
     rays += traced;
+    mesh.set_exposure(dark_leaves(mesh, light, seed, rays), uncovered);
     expect(mesh, light);
     return light;
 }

@@ -1,31 +1,9 @@
 #pragma once
 // The light with which the solution starts: direct irradiance of the patches, and their reflectance.
-//
-// Goral et al. 1984 have patches that emit, E_i. Here lights of every kind are allowed: the emission of a patch is the
-// direct light that it reflects, B1 = rho E_direct, and E_direct is sampled.
 
-#include "methods/method.h"
-#include "methods/radiosity/mesh.h"
+#include "methods/radiosity/links.h"
 
 namespace gib {
-
-/// By node of a mesh; irradiance, reflectance and points are those of leaves.
-struct PatchLight {
-    std::vector<Colord> irradiance;   ///< direct irradiance [W/m^2]
-    std::vector<Colord> reflectance;  ///< rho, the mean over the patch, in [0, 1]
-    /// Radiosity of all nodes, with an estimate of the light from other patches, and its standard deviation over the
-    /// leaves of a node; mean of the channels [W/m^2].
-    std::vector<double> expected, spread;
-    double mean_irradiance = 0;  ///< mean over all patches, including that estimate [W/m^2]
-    /// The points of leaves, evenly distributed, `samples` for each. Direct light was sampled there, and rays that
-    /// test visibility start and end there.
-    std::vector<SurfacePoint> points;
-    std::vector<std::uint32_t> first_point;  ///< by node
-    std::uint32_t samples = 0;
-
-    /// A point of a node, chosen evenly by the number u in [0, 1).
-    const SurfacePoint& point_of(const PatchMesh& mesh, std::uint32_t node, double u) const;
-};
 
 /// Reflectance of the diffuse lobes at a hit seen from wo, in [0, 1]; 0 where there are none. If the diffuse lobes
 /// are not ideal, it is the share of the light arriving from wo that they reflect.
@@ -33,8 +11,9 @@ Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo);
 
 /// Direct irradiance and mean reflectance of all leaves. Irradiance is estimated for each patch by `samples` shadow
 /// rays and as many rays sampled by the bsdf, combined by the power heuristic (Veach 1997, chapter 9); the mean
-/// reflectance of textured patches is taken over as many points. Adds the rays traced to `rays`.
-PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
+/// reflectance of textured patches is taken over as many points. Adds the rays traced to `rays`. Finds the dark nodes
+/// and the covered areas of `mesh`.
+PatchLight patch_light(PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
                        const StageTimes* stages = nullptr);
 
 }  // namespace gib

@@ -79,31 +79,16 @@ double visible_form_factor(const Vec3d& point, const Vec3d& normal, const Region
     return std::clamp(sum / (2 * std::numbers::pi), 0.0, 1.0);  // removes rounding
 }
 
-/// A point of a rule over triangles: barycentric coordinates of the first two corners, and a share of the area.
-struct TrianglePoint {
-    double a, b, weight;
-};
-/// The midpoints of the edges; exact for quadratic functions.
-constexpr std::array<TrianglePoint, 3> three_points = {{{0.5, 0.5, 1.0 / 3}, {0, 0.5, 1.0 / 3}, {0.5, 0, 1.0 / 3}}};
-/// Radon's rule of 1948; exact for polynomials of degree 5.
-constexpr std::array<TrianglePoint, 7> seven_points = {{{1.0 / 3, 1.0 / 3, 0.225},
-                                                        {0.05971587178976982, 0.4701420641051151, 0.1323941527885062},
-                                                        {0.4701420641051151, 0.05971587178976982, 0.1323941527885062},
-                                                        {0.4701420641051151, 0.4701420641051151, 0.1323941527885062},
-                                                        {0.7974269853530873, 0.1012865073234563, 0.1259391805448272},
-                                                        {0.1012865073234563, 0.7974269853530873, 0.1259391805448272},
-                                                        {0.1012865073234563, 0.1012865073234563, 0.1259391805448272}}};
-
-/// The integral of the form factor of `large` over `small`, by a rule on each triangle of `small`.
-double area_integral(const Region& small, const Vec3d& normal, const Region& large,
-                     std::span<const TrianglePoint> rule) {
+/// The integral of the form factor of `large` over `small`, by the midpoints of the edges of triangles (exact for
+/// quadratic functions), or by their centroids.
+double area_integral(const Region& small, const Vec3d& normal, const Region& large, bool centroids) {
     double sum = 0;
     for (std::size_t i = 2; i < small.count; ++i) {
-        const Vec3d a = small[0] - small[i], b = small[i - 1] - small[i];
-        double mean = 0;
-        for (const TrianglePoint& p : rule)
-            mean += p.weight * visible_form_factor(small[i] + p.a * a + p.b * b, normal, large);
-        sum += 0.5 * a.cross(b).norm() * mean;
+        const Vec3d &a = small[0], &b = small[i - 1], &c = small[i];
+        const double area = 0.5 * (b - a).cross(c - a).norm();
+        const auto factor = [&](const Vec3d& p) { return visible_form_factor(p, normal, large); };
+        sum += area * (centroids ? factor((a + b + c) / 3)
+                                 : (factor((a + b) / 2) + factor((b + c) / 2) + factor((c + a) / 2)) / 3);
     }
     return sum;
 }
@@ -159,7 +144,7 @@ double refined(const Region& inner, const Vec3d& start, const Vec3d& way, double
 /// inner integral has a closed form, which is finite where the contours touch. `area` is that of the smaller polygon.
 double contour_integral(const Region& outer, const Region& inner, double area) {
     // The tolerance is a share of the factor, but at least of 1e-3, below which little light is carried.
-    constexpr double tolerance = 2e-5, least_factor = 1e-3;
+    constexpr double tolerance = 1e-4, least_factor = 1e-3;
     constexpr int most_halvings = 12;
     std::array<double, 6> wholes;
     double estimate = 0, sum = 0;
@@ -210,16 +195,14 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to) {
     const double a_radius = a.radius(a_mean), b_radius = b.radius(b_mean);
     const bool a_is_smaller = a_radius <= b_radius;
     const Region &small = a_is_smaller ? a : b, &large = a_is_smaller ? b : a;
-    // The radius of the smaller one over the distance up to which points on it suffice, and up to which three on each
-    // triangle do.
-    constexpr double few_points = 0.25, fewer_points = 0.02;
+    // The radius of the smaller one over the distance up to which points on it suffice, and up to which one for each
+    // triangle does.
+    constexpr double few_points = 0.25, one_point = 0.05;
     const double distance = (b_mean - a_mean).norm() - std::max(a_radius, b_radius);
     const double nearness = distance > 0 ? std::min(a_radius, b_radius) / distance : 1;
-    const Vec3d& normal = a_is_smaller ? from.normal : to.normal;
-    const double integral = nearness < fewer_points ? area_integral(small, normal, large, three_points)
-                            : nearness < few_points
-                                ? area_integral(small, normal, large, seven_points)
-                                : contour_integral(small, large, a_is_smaller ? from.area : to.area);
+    const double integral = nearness < few_points ? area_integral(small, a_is_smaller ? from.normal : to.normal, large,
+                                                                  nearness < one_point)
+                                                  : contour_integral(small, large, a_is_smaller ? from.area : to.area);
     return std::clamp(integral / from.area, 0.0, 1.0);
 }
 
