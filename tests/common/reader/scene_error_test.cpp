@@ -36,7 +36,7 @@ TEST(SceneErrors, RootAndVersion) {
 }
 
 TEST(SceneErrors, Parameters) {
-    expect_errors({{"<shape type='sphere'><transform name='to_world'><scale value='$r'/></transform></shape>", "2:63",
+    expect_errors({{"<shape type='sphere'><transform name='to_world'><scale value='$r'/></transform></shape>", "2:56",
                     "no value for $r: --set r=... would give it"},
                    {"<default name='' value='1'/>", "2:10", "needs a name"}});
     EXPECT_THAT(scene_error("<default name='a' value='1'/>" + ball, "t.xml", {{{"b", "1"}}, {}}),
