@@ -272,7 +272,7 @@ private:
             XmlElement* color = property(e_, name);
             XmlAttribute* value = color ? attribute_of(*color, "value") : nullptr;
             if (!value || (color->tag != "rgb" && color->tag != "float")) continue;
-            std::vector<double> channels = parse_numbers(*value);
+            std::vector<double> channels = parse_channels(*value);
             const double highest = channels.empty() ? 0 : *std::max_element(channels.begin(), channels.end());
             if (!(highest > 1)) continue;
             warnings_.add(value->where, fmt::format("'{}' is above 1: it is scaled down to 0.99", name));

@@ -186,12 +186,15 @@ struct ModelsOf {
         return models;
     }
     Models operator()(std::type_identity<Ward>) const {
+        // At grazing angles ward-duer reflects several times its reflectance.
+        const std::string dark =
+            "<rgb name='specular_reflectance' value='0.1'/><rgb name='diffuse_reflectance' value='0.3'/>";
         Models models;
         for (const std::string variant : {"balanced", "ward", "ward-duer"})
             for (double alpha : {0.02, 0.3})
                 models.push_back({fmt::format("{} {}", variant, alpha),
                                   bsdf("ward", "<string name='variant' value='" + variant + "'/>" +
-                                                   number("alpha_u", alpha) + number("alpha_v", 0.15))});
+                                                   number("alpha_u", alpha) + number("alpha_v", 0.15) + dark)});
         return models;
     }
     Models operator()(std::type_identity<Principled>) const {

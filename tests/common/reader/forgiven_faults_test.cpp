@@ -47,7 +47,7 @@ TEST(ForgivenFaults, ParametersThatAreNeededAreNamedAtOnce) {
         scene_error(shape("sphere", value_element("float", "radius", "$r")) + "\n" +
                     shape("obj", filename("$mesh"), to_world("<scale value='$size'/>")) +
                     shape("$kind", value_element("float", "radius", "$r"))),
-        StartsWith("t.xml:2:53: no value for $r, $mesh, $size, $kind: --set r=... --set mesh=... --set size=... "
+        StartsWith("t.xml:2:43: no value for $r, $mesh, $size, $kind: --set r=... --set mesh=... --set size=... "
                    "--set kind=... would give them"));
 }
 
@@ -84,8 +84,8 @@ TEST(ForgivenFaults, SmallNegativeChannelsOfMeasuredDataCountAsZero) {
     const LoadedScene samples = metal(list("-0.01"));
     EXPECT_TRUE((reflected(samples) == reflected(metal(list("0")))).all());
     EXPECT_THAT(samples.warnings, ElementsAre(HasSubstr("'eta' must not be negative: -0.01 counts as 0")));
-    const LoadedScene fog = load(
-        shape("sphere", bsdf("null"), named("medium", "interior", "homogeneous", rgb("sigma_t", "0.2 0.1 -0.004"))));
+    const LoadedScene fog = load(shape("sphere", center(0, 0, 10), bsdf("null"),
+                                       named("medium", "interior", "homogeneous", rgb("sigma_t", "0.2 0.1 -0.004"))));
     EXPECT_THAT(fog.warnings, ElementsAre(HasSubstr("'sigma_t' must not be negative: -0.004")));
 }
 
