@@ -359,7 +359,9 @@ private:
             left = std::max(0.0, *work_.goal.seconds - groups_.seconds);
             all = 0;
         }
-        const double fraction = all > 0 ? done / all : groups_.seconds / (groups_.seconds + left + 1e-9);
+        const double fraction = all > 0              ? done / all
+                                : work_.goal.seconds ? groups_.seconds / (groups_.seconds + left + 1e-9)
+                                                     : 0;
         const std::string error =
             groups_.passes > 0 ? fmt::format(", error {:.3g} %", 100 * result_.relative_error) : "";
         progress_.update(fraction, groups_.passes > 0 ? std::optional(left) : std::nullopt,
