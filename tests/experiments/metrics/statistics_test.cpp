@@ -125,7 +125,8 @@ TEST(ImageError, NanIsNotHidden) {
     const ReferenceLayer reference{constant(3, 2, 1), std::nullopt, {}};
     const ImageError e = image_error(x, reference, {reference.mean, 0.01});
     EXPECT_TRUE(std::isnan(e.mse) && std::isnan(e.rmse) && std::isnan(e.rel_mse));
-    const auto s = replicate_statistics({x, x, constant(3, 2, 1), constant(3, 2, 1)}, reference, {reference.mean, 0.01});
+    const auto s =
+        replicate_statistics({x, x, constant(3, 2, 1), constant(3, 2, 1)}, reference, {reference.mean, 0.01});
     EXPECT_TRUE(std::isnan(s.mse.value) && std::isnan(s.rel_mse.value) && std::isnan(s.rmse.value));
     EXPECT_TRUE(std::isnan(s.bias2->value) && std::isnan(s.variance->value));
     EXPECT_FALSE(s.mse.interval || s.bias2->interval || s.variance->interval);
