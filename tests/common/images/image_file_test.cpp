@@ -156,7 +156,7 @@ TEST(ImageFile, ALayerWithSomeOfItsChannelsIsRefused) {
     EXPECT_THAT(error_of({{"X", 1.f}, {"Y", 1.f}}, false), HasSubstr("the layer '' has a channel X, but not all of"));
     EXPECT_THAT(error_of({{"x", 1.f}, {"y", 1.f}, {"z", 1.f}}, false), HasSubstr("no channels R,G,B or Y"));
     EXPECT_THAT(error_of({{"stderr.R", 1.f}, {"stderr.G", 1.f}}, true),
-                HasSubstr("the layer 'stderr' has a channel G"));
+                HasSubstr("the layer 'stderr' has a channel R"));
     EXPECT_THAT(error_of({{"direct.X", 1.f}, {"direct.Y", 1.f}}, true),
                 HasSubstr("the layer 'direct' has a channel X"));
     // Y alone is grey, also beside a depth Z; what others keep in layers of their own names does not matter.
