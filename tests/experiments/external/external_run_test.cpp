@@ -53,7 +53,7 @@ TEST_F(ExternalRun, ARightRendererHasARowLikeAnyOther) {
                 AllOf(HasSubstr("| right spp=8 (external) |"), HasSubstr("| right spp=4 (external) |"),
                       HasSubstr("| tiny | right spp=8 (external) |")));
     EXPECT_THAT(read_file(results("report.html")),
-                AllOf(HasSubstr(">external<"), HasSubstr("right spp=8</b> (external)")));
+                AllOf(HasSubstr("right spp=8 (external)</th>"), HasSubstr("right spp=8</b> (external)")));
     EXPECT_THAT(gibench("run --repeat results/e").out, HasSubstr("6 of 6 identical"));
 }
 

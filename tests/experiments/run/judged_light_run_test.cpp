@@ -119,7 +119,7 @@ TEST_F(ContradictedReference, IsToldOnTopAndItsComponentIsNotJudged) {
         EXPECT_LT(text.find("the reference is wrong"), text.find("## Errors"));
         const CsvTable rows = table();
         for (std::size_t i = 0; i < rows.rows.size(); ++i)
-            EXPECT_EQ(field_of(rows, "rel_mse", i).empty(), rows.rows[i][2] == "direct") << rows.rows[i][2];
+            if (rows.rows[i][2] == "direct") EXPECT_EQ(field_of(rows, "rel_mse", i), "") << rows.rows[i][1];
     }
 }
 
