@@ -119,7 +119,9 @@ TEST_F(ContradictedReference, IsToldOnTopAndItsComponentIsNotJudged) {
         EXPECT_LT(text.find("the reference is wrong"), text.find("## Errors"));
         const CsvTable rows = table();
         for (std::size_t i = 0; i < rows.rows.size(); ++i)
-            if (rows.rows[i][2] == "direct") EXPECT_EQ(field_of(rows, "rel_mse", i), "") << rows.rows[i][1];
+            if (rows.rows[i][2] == "direct") {
+                EXPECT_EQ(field_of(rows, "rel_mse", i), "") << rows.rows[i][1];
+            }
     }
 }
 
