@@ -1,5 +1,5 @@
 #pragma once
-// What a row says of its error: how large it is, and which part of it is bias.
+// The error of a row as fields: how large it is, and which part of it is bias.
 
 #include "experiments/analysis/table_row.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What methods leave out, as sets and in words.
+// Effects and components that methods leave out, as sets and in words.
 
 #include "common/scene/effects.h"
 #include "experiments/results/layer.h"

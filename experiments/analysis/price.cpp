@@ -30,7 +30,7 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
     return std::nullopt;
 }
 
-/// What an extrapolation says of a time, if it is beyond the measured span and not too far; `unit` divides it [s]. A time
+/// The field of an extrapolated time, if it is beyond the measured span and not too far; `unit` divides it [s]. A time
 /// within the span is no extrapolation: the first image was better already, or the points scatter about the law.
 Field field_of(const TableRow& row, const std::optional<Extrapolation>& time, double unit) {
     const PriceLaw& law = *row.law;

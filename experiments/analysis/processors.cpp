@@ -23,7 +23,7 @@ double waited(const Cell& cell) {
 
 double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
 
-/// What shows that a machine was busy when it measured these runs; empty if nothing does.
+/// The signs of a machine that was busy when it measured these runs; empty if there are none.
 std::string sign_of(const Runs& cells) {
     const auto& longest = **std::max_element(cells.begin(), cells.end(),
                                              [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });

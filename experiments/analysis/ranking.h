@@ -21,7 +21,7 @@ enum class Standing {
 
 /// A method in a comparison of numbers of which the smaller is better: an error, or the logarithm of a time.
 struct Contender {
-    /// What `values` are to the numbers that are compared.
+    /// The relation of `values` to the numbers that are compared.
     enum class Known { equal, lower_bounds, upper_bounds };
 
     std::string method;

@@ -89,7 +89,7 @@ struct ReferenceQuality {
     Components unjudged = {};
 };
 
-/// What a reader has to know before any number.
+/// A warning that a reader has to know before any number.
 struct Warning {
     enum class Kind {
         no_light,

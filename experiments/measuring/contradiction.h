@@ -32,8 +32,8 @@ struct Contradiction {
     std::string text() const;
 };
 
-/// What images of a method contradict in a reference: every component that is black there and lit in an image; and every one of
-/// `unbiased_for`, for which the method is unbiased, where it is brighter beyond doubt. Components that the reference does not
+/// The components of a reference that images of a method contradict: every one that is black there and lit in an image; and every
+/// one of `unbiased_for`, for which the method is unbiased, where it is brighter beyond doubt. Components that the reference does not
 /// resolve anyway are left out. The second kind needs two replicates.
 std::vector<Contradiction> contradictions(const Reference& reference, const std::vector<ComponentImages>& replicates,
                                           const std::vector<Component>& unbiased_for);

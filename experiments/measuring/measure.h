@@ -70,7 +70,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 /// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
 
-/// What the threads of this process have had so far, as the scheduler counts it.
+/// Processor and waiting time of the threads of this process so far, as the scheduler counts them.
 struct ProcessorTime {
     double running = 0, waiting = 0;  ///< [s], summed over threads; 0 if the system does not say
 };
