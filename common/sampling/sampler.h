@@ -154,6 +154,7 @@ public:
     Vec2 light_position() const { return point(dimension::light_position); }
     Vec2 bsdf_lobe() const { return point(dimension::bsdf_lobe); }
     Vec2 bsdf_direction() const { return point(dimension::bsdf_direction); }
+    const EightFloats& all() const { return numbers_; }
 
 private:
     Vec2 point(std::uint32_t dimension) const { return {numbers_[2 * dimension], numbers_[2 * dimension + 1]}; }
@@ -162,9 +163,20 @@ private:
     EightFloats numbers_;
 };
 
+/// Numbers that are kept instead of hashed, such as the state of a Markov chain. They come in blocks of the size of a
+/// vertex's: block b holds the points of the dimensions 4 b - 1 to 4 b + 2, so that block v + 1 belongs to vertex v.
+class NumberStore {
+public:
+    virtual ~NumberStore() = default;
+    /// The numbers, in [0, 1), of a block of one path. Split paths have keys of their own.
+    virtual EightFloats block(std::uint64_t path_key, std::uint32_t block) = 0;
+};
+
 /// The random numbers of one path: `index` is its pixel or photon, `pass` its place in the sequence.
 class Sampler {
 public:
+    /// The numbers of a store, which must outlive the sampler.
+    explicit Sampler(NumberStore& store) : store_(&store), sobol_dimensions_(0), reversed_pass_(0) {}
     Sampler(PointSet set, std::uint64_t seed, std::uint64_t index, std::uint32_t pass)
         : sobol_dimensions_(set == PointSet::sobol ? sobol_dimensions : 0), reversed_pass_(reverse_bits(pass)) {
         const std::uint64_t sequence = combine_keys(seed, index);
@@ -190,6 +202,10 @@ public:
 
     /// A point in [0, 1)^2. Different dimensions are independent of each other.
     Vec2 get_2d(std::uint32_t dimension) const {
+        if (store_) {
+            const EightFloats block = store_->block(sequence_key_.whole(), (dimension + 1) / 4);
+            return {block[2 * ((dimension + 1) % 4)], block[2 * ((dimension + 1) % 4) + 1]};
+        }
         const auto number = [&](std::uint32_t n) {
             return unit_float(dimension < sobol_dimensions_ ? sobol_number(dimension, n)
                                                             : independent_number(dimension, n));
@@ -200,6 +216,7 @@ public:
     /// All dimensions of a vertex at once, as get_2d() returns them one by one. This makes random numbers cheap
     /// compared with ray queries.
     VertexNumbers at_vertex(int vertex) const {
+        if (store_) return VertexNumbers(store_->block(sequence_key_.whole(), static_cast<std::uint32_t>(vertex) + 1));
         const std::uint32_t dimension = dimension::at_vertex(vertex, 0);
         const Eight n = {0, 1, 2, 3, 4, 5, 6, 7};
         return VertexNumbers(
@@ -233,7 +250,9 @@ private:
         return mix32(mix32(pass_key_.low + 2 * d * step + n * step) ^ pass_key_.high);
     }
 
-    std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers
+    static_assert(dimension::per_vertex == 4 && dimension::at_vertex(0, 0) == 3);  // blocks of a store
+    NumberStore* store_ = nullptr;                                                 ///< null: numbers are hashed
+    std::uint32_t sobol_dimensions_;                                               ///< 0 for independent numbers
     std::uint32_t reversed_pass_;
     Key sequence_key_, pass_key_;
 };

@@ -18,7 +18,7 @@ struct FoundLight {
 };
 
 /// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers, flights)
-/// at every vertex where another walk could end, before the path is scattered there.
+/// at every vertex where another walk could end, before the path is scattered there; the walk ends if visit() returns false.
 template <typename Found, typename Visit>
 class CameraWalk {
 public:
@@ -56,7 +56,7 @@ private:
         PathState& path = walk_.at;
         arrive(p, 1, rules_.merging.at(*path.medium, p), false);
         if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
-        visit_(PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights);
+        if (!goes_on_after(visit_, PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights)) return false;
         path.path_class.in_medium = true;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
         if (!survives(most_survival(path.vertex), u)) return false;
@@ -86,7 +86,7 @@ private:
         const PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
         if (vertex.can_be_joined()) {
             if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
-            visit_(vertex, u, walk_.flights);
+            if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
         if (!next) return false;

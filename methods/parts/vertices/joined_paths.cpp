@@ -1,104 +1,20 @@
 #include "methods/parts/vertices/joined_paths.h"
 
-#include "common/images/splat_film.h"
 #include "common/scene/scene.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/camera_walk.h"
-#include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_walk.h"
-#include "methods/parts/vertices/technique_pyramid.h"
 
 namespace gib {
 
 namespace {
 
-/// The data of one pass, which the estimates of all pixels share.
-struct PassOfPaths {
-    const LightPaths& paths;
-    PathRules rules;
-    SplatFilm& splats;
-    std::uint32_t pass = 0;
-    TechniquePyramid* pyramid = nullptr;     ///< null: no images of techniques are kept
-    const MergedVertices* merged = nullptr;  ///< null: nothing is merged
-};
+constexpr std::uint64_t light_path = 1, light_in_view = 2;  // tags of the light path's numbers, and of this point's
 
-/// The estimate of one pixel's sample, which also adds the light paths that reach the camera to the film of splats.
-class JoinedPathsEstimate {
-public:
-    explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
-
-    BiasedSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel) {
-        light_vertices_.clear();
-        if ((used_.camera || used_.connections) && !used_.only_merging()) follow_light(rays, sampler);
-
-        BiasedSample sample;
-        const auto add = [&](int s, int t, const std::optional<Connection>& path) {
-            if (!path) return;
-            add_weighted(*path, sample.light);
-            if (pass_.pyramid) pass_.pyramid->add(s, t, pixel, *path, 1);
-        };
-        CameraWalk(
-            rays, eye, sampler, pass_.paths, pass_.rules, sample.light,
-            [&](const FoundLight& light) {
-                Connection path{.light = {}, .weight = light.weight};
-                path.light[light.path_class.component()] = light.radiance;
-                add(0, light.edges + 1, path);
-            },
-            [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (pass_.merged) pass_.merged->merge(vertex, pass_.rules, sample);
-                if (used_.only_merging()) return;
-                if (used_.light_sampling)
-                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));
-                for (const PathVertex& from_light : light_vertices_)
-                    if (vertex.edges + 1 + from_light.edges <= pass_.rules.max_edges)
-                        add(from_light.edges + 1, vertex.edges + 1,
-                            connect(rays, vertex, from_light, pass_.paths, flights));
-            })
-            .follow();
-        return sample;
-    }
-
-private:
-    static constexpr std::uint64_t light_path = 1,
-                                   light_in_view = 2;  ///< tags of the light path's numbers, and of this point's
-
-    /// Connects a point of a light and the vertices of the pixel's light path to the camera, and keeps the vertices.
-    void follow_light(RayQueries& rays, const Sampler& sampler) {
-        if (used_.camera && used_.light_sampling) {
-            const Sampler numbers = sampler.split(0, 1, light_in_view);
-            NumberStream flights(numbers);
-            splat(sample_light_from_camera(rays, pass_.paths, pass_.splats, true, numbers.at_vertex(0), flights), 1);
-        }
-        const Sampler light_sampler = sampler.split(0, 1, light_path);
-        const auto start = pass_.paths.emission.sample(light_sampler);
-        if (!start) return;
-        LightWalk(rays, light_sampler, pass_.paths, pass_.rules, *start,
-                  [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                      if (used_.camera)
-                          splat(connect_to_camera(rays, vertex, pass_.paths, pass_.splats,
-                                                  {u.light_position(), u.light_choice()}, flights),
-                                vertex.edges + 1);
-                      if (used_.connections) light_vertices_.push_back(vertex);
-                  })
-            .follow();
-    }
-
-    static void add_weighted(const Connection& path, PixelSample& sample) {
-        for (std::size_t c = 0; c < sample.parts.size(); ++c)
-            if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
-    }
-    void splat(const std::optional<Splat>& splat, int s) {
-        if (!splat) return;
-        if (pass_.pyramid) pass_.pyramid->add(s, 1, splat->pixel, splat->connection, 1 / pass_.paths.count);
-        PixelSample weighted;
-        add_weighted(splat->connection, weighted);
-        pass_.splats.add(splat->pixel, pass_.pass, weighted);
-    }
-
-    const PassOfPaths& pass_;
-    const Techniques& used_;
-    std::vector<PathVertex> light_vertices_;
-};
+void add_weighted(const Connection& path, PixelSample& sample) {
+    for (std::size_t c = 0; c < sample.parts.size(); ++c)
+        if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
+}
 
 class JoinedPathsRun final : public Run {
 public:
@@ -176,6 +92,74 @@ private:
 };
 
 }  // namespace
+
+BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                                             std::size_t pixel,
+                                             std::vector<std::pair<std::size_t, PixelSample>>* kept) {
+    kept_ = kept;
+    light_vertices_.clear();
+    if ((used_.camera || used_.connections) && !used_.only_merging()) follow_light(rays, sampler);
+
+    const PathRules& rules = pass_.rules;
+    BiasedSample sample;
+    const auto add = [&](int s, int t, const std::optional<Connection>& path) {
+        if (!path) return;
+        add_weighted(*path, sample.light);
+        if (pass_.pyramid) pass_.pyramid->add(s, t, pixel, *path, 1);
+    };
+    CameraWalk(
+        rays, eye, sampler, pass_.paths, rules, sample.light,
+        [&](const FoundLight& light) {
+            if (light.edges < rules.min_edges) return;
+            Connection path{.light = {}, .weight = light.weight};
+            path.light[light.path_class.component()] = light.radiance;
+            add(0, light.edges + 1, path);
+        },
+        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+            if (pass_.merged) pass_.merged->merge(vertex, rules, sample);
+            if (used_.only_merging()) return;
+            if (used_.light_sampling && vertex.edges + 1 >= rules.min_edges)
+                add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));
+            for (const PathVertex& from_light : light_vertices_) {
+                const int edges = vertex.edges + 1 + from_light.edges;
+                if (edges >= rules.min_edges && edges <= rules.max_edges)
+                    add(from_light.edges + 1, vertex.edges + 1,
+                        connect(rays, vertex, from_light, pass_.paths, flights));
+            }
+        })
+        .follow();
+    return sample;
+}
+
+/// Connects a point of a light and the vertices of the pixel's light path to the camera, and keeps the vertices.
+void JoinedPathsEstimate::follow_light(RayQueries& rays, const Sampler& sampler) {
+    if (used_.camera && used_.light_sampling && pass_.rules.min_edges <= 1) {
+        const Sampler numbers = sampler.split(0, 1, light_in_view);
+        NumberStream flights(numbers);
+        splat(sample_light_from_camera(rays, pass_.paths, pass_.splats, true, numbers.at_vertex(0), flights), 1);
+    }
+    const Sampler light_sampler = sampler.split(0, 1, light_path);
+    const auto start = pass_.paths.emission.sample(light_sampler);
+    if (!start) return;
+    LightWalk(rays, light_sampler, pass_.paths, pass_.rules, *start,
+              [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                  if (used_.camera && vertex.edges + 1 >= pass_.rules.min_edges)
+                      splat(connect_to_camera(rays, vertex, pass_.paths, pass_.splats,
+                                              {u.light_position(), u.light_choice()}, flights),
+                            vertex.edges + 1);
+                  if (used_.connections) light_vertices_.push_back(vertex);
+              })
+        .follow();
+}
+
+void JoinedPathsEstimate::splat(const std::optional<Splat>& splat, int s) {
+    if (!splat) return;
+    if (pass_.pyramid) pass_.pyramid->add(s, 1, splat->pixel, splat->connection, 1 / pass_.paths.count);
+    PixelSample weighted;
+    add_weighted(splat->connection, weighted);
+    if (kept_) kept_->emplace_back(splat->pixel, weighted);
+    else pass_.splats.add(splat->pixel, pass_.pass, weighted);
+}
 
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings) {
     const Techniques& used = settings.used;

@@ -2,9 +2,14 @@
 // The run of paths from both ends: every path from the camera is joined with a path from a light in all ways, and, if
 // asked for, takes the light of the vertices of many other light paths by merging. It serves bidirectional and vcm.
 
+#include "common/images/splat_film.h"
+#include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/merged_vertices.h"
+#include "methods/parts/vertices/technique_pyramid.h"
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace gib {
 
@@ -14,6 +19,36 @@ struct JoinedPathsSettings {
     Techniques used;
     bool shows_techniques = false;
     std::optional<MergingSettings> merging = {};
+};
+
+/// The data of one pass, which the estimates of all pixels share.
+struct PassOfPaths {
+    const LightPaths& paths;
+    PathRules rules;
+    SplatFilm& splats;
+    std::uint32_t pass = 0;
+    TechniquePyramid* pyramid = nullptr;     ///< null: no images of techniques are kept
+    const MergedVertices* merged = nullptr;  ///< null: nothing is merged
+};
+
+/// The estimate of one pixel's sample.
+class JoinedPathsEstimate {
+public:
+    explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
+
+    /// The light of the paths from the camera that end in this pixel. That of light paths which reach the camera, in any pixel,
+    /// goes to the film of splats, or is appended to `kept` if this is not null.
+    BiasedSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
+                            std::vector<std::pair<std::size_t, PixelSample>>* kept = nullptr);
+
+private:
+    void follow_light(RayQueries& rays, const Sampler& sampler);
+    void splat(const std::optional<Splat>& splat, int s);
+
+    const PassOfPaths& pass_;
+    const Techniques& used_;
+    std::vector<std::pair<std::size_t, PixelSample>>* kept_ = nullptr;
+    std::vector<PathVertex> light_vertices_;
 };
 
 /// Adds the steps of light paths, eye paths, light sampling and connections.

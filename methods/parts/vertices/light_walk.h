@@ -9,7 +9,7 @@
 namespace gib {
 
 /// Follows a path from a light and calls visit(vertex, numbers, flights) at every vertex where another walk could end,
-/// before the path is scattered there. The powers are in units of the scene's emitted power, so that they keep to the
+/// before the path is scattered there; the walk ends if visit() returns false. The powers are in units of the scene's emitted power, so that they keep to the
 /// range of float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
@@ -51,7 +51,7 @@ private:
         PathState& path = walk_.at;
         arrive(p, 1, rules_.merging.at(*path.medium, p), false);
         if (is_made_without_merging()) return false;
-        visit_(PathVertex(walk_, p, path_class_, sums_), u, walk_.flights);
+        if (!goes_on_after(visit_, PathVertex(walk_, p, path_class_, sums_), u, walk_.flights)) return false;
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -72,7 +72,7 @@ private:
         const PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
             if (is_made_without_merging()) return false;
-            visit_(vertex, u, walk_.flights);
+            if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         }
 
         const ScatteringCoefficients c = vertex.hit->bsdf->coefficients_local(vertex.from_local);

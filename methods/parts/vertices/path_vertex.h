@@ -5,6 +5,7 @@
 #include "methods/parts/vertices/technique_sums.h"
 
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace gib {
@@ -127,6 +128,17 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
 /// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
 inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
     return hit.delta_only || !hit.bsdf->traits_at(hit.shading.to_local(wo).z()).diffuse;
+}
+
+/// Visits a vertex of a walk. Returns whether the walk goes on, which a visitor without an answer leaves to the walk.
+template <typename Visit>
+bool goes_on_after(Visit& visit, const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+    if constexpr (std::is_void_v<decltype(visit(vertex, u, flights))>) {
+        visit(vertex, u, flights);
+        return true;
+    } else {
+        return visit(vertex, u, flights);
+    }
 }
 
 /// Scatters the walk in its medium and takes the sums past the event. Returns the direction.

@@ -49,6 +49,7 @@ struct PathRules {
     int max_edges;  ///< edges of the longest path
     Techniques used = {};
     MergeDensities merging = {};
+    int min_edges = 1;  ///< edges of the shortest path that counts
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
     bool have_others() const { return used.hits || used.light_sampling || used.connections || merging.any(); }

@@ -1,0 +1,310 @@
+// Metropolis light transport in primary sample space: Markov chains walk through the random numbers of bidirectional path
+// tracing, and spend their time where these carry light. Sources: Veach and Guibas 1997, "Metropolis Light Transport"; Kelemen
+// et al. 2002, "A Simple and Robust Mutation Strategy for the Metropolis Light Transport Algorithm".
+//
+// Computes: every component. A state of a chain is a path from the camera and one from a light, joined in all ways; its size f
+// is the sum of all light that they carry to the image. Paths of one and two edges are sampled as bidirectional does, since
+// chains gain nothing there.
+// Parameters: large_steps is the probability of a step that forgets the state; spp and max_depth as for all methods.
+// Bias: none, for paths that bidirectional can sample. Each pass has chains of its own. Independent samples give the mean b of
+// f, and the chains start at some of these, chosen in proportion to f. Whatever the number of steps, b times the mean of h / f
+// over a chain's states then has the expected value of h (Veach 1997, section 11.3.1): there is no start-up bias, and
+// passes are independent.
+// A pass: for every pixel one bidirectional sample of up to two edges, one step of a chain and half an independent sample.
+// Noise: neighbouring pixels share the states of a chain, so noise has blobs, and the brightness of a feature that few
+// chains find is uncertain as a whole.
+// Fails: never; non-finite samples are counted and dropped.
+#include "common/core/parallel.h"
+#include "common/scene/scene.h"
+#include "methods/metropolis/primary_sample.h"
+#include "methods/parts/transport/delta_paths.h"
+#include "methods/parts/vertices/joined_paths.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+namespace gib {
+
+namespace {
+
+constexpr std::string_view step_chains = "chains";
+constexpr int shortest = 3;                  // edges of the chains' shortest paths
+constexpr std::size_t steps_of_chain = 256;  // at most, in a pass
+
+struct Settings {
+    double large_steps;
+    int max_edges;
+};
+
+JoinedPathsSettings short_paths(const Settings& settings) {
+    return {PointSet::sobol, std::min(settings.max_edges, shortest - 1), {}};
+}
+
+/// What the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels, for one state.
+struct State {
+    std::vector<std::pair<std::size_t, PixelSample>> light;
+    double size = 0;  ///< the sum over all pixels, components and channels, which chains sample; 0 if it is not finite
+    bool is_finite = true;
+};
+
+/// Makes the states of one thread.
+class StateMaker {
+public:
+    StateMaker(const Scene& scene, const PassOfPaths& pass) : rays_(scene), pass_(pass), estimate_(pass) {}
+
+    std::uint64_t rays() const { return rays_.count(); }
+
+    void make(const Sampler& sampler, State& state) {
+        const Sensor& sensor = rays_.scene().sensor();
+        const Vec2 place(sampler.get_2d(dimension::film).x() * static_cast<float>(sensor.width()),
+                         sampler.get_2d(dimension::film).y() * static_cast<float>(sensor.height()));
+        const int x = std::min(static_cast<int>(place.x()), sensor.width() - 1);
+        const int y = std::min(static_cast<int>(place.y()), sensor.height() - 1);
+        const Vec2 in_pixel(place.x() - static_cast<float>(x), place.y() - static_cast<float>(y));
+        std::array<Ray, 1> ray = {sensor.generate_ray(x, y, in_pixel, sampler.get_2d(dimension::lens))};
+        std::array<std::optional<Intersection>, 1> found;
+        rays_.trace_from_camera(ray, found);
+        const auto pixel = static_cast<std::size_t>(y * sensor.width() + x);
+
+        state.light.clear();
+        PixelSample seen =
+            estimate_(rays_, {ray[0], found[0], sensor.hides_emitters()}, sampler, pixel, &state.light).light;
+        for (Color& part : seen.parts)
+            part *= static_cast<float>(pass_.paths.count);
+        state.light.emplace_back(pixel, seen);
+        state.size = 0;
+        for (const auto& [to, light] : state.light)
+            for (const Color& part : light.parts)
+                state.size += double{part.sum()};
+        state.is_finite = std::isfinite(state.size);
+        if (!state.is_finite) state.size = 0;
+    }
+
+private:
+    RayQueries rays_;
+    const PassOfPaths& pass_;
+    JoinedPathsEstimate estimate_;
+};
+
+class MetropolisRun final : public Run {
+public:
+    MetropolisRun(const Scene& scene, const Settings& settings, const Plan& plan, std::unique_ptr<Run> short_paths,
+                  const ShownComponents& shown, std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          large_steps_(settings.large_steps),
+          seed_(seed),
+          stages_(stages),
+          runs_(plan.runs(step_chains)),
+          short_paths_(std::move(short_paths)),
+          light_paths_(scene, plan, stages),
+          film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, light_paths_.sum_unit),
+          pass_{.paths = light_paths_,
+                .rules = {.max_edges = settings.max_edges,
+                          .used = {.light_sampling = plan.runs(step_light_sampling)},
+                          .min_edges = shortest},
+                .splats = film_} {
+        const auto pixels = static_cast<std::size_t>(light_paths_.count);
+        chains_ = (pixels + steps_of_chain - 1) / steps_of_chain;
+        steps_ = (pixels + chains_ - 1) / chains_;
+        starts_ = (pixels + 1) / 2;
+        if (runs_) expected_mean_ = mean_of(sample_starts(combine_keys(seed, 1), false));
+    }
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        const Progress progress = short_paths_->advance(pass);
+        if (!runs_) return progress;
+        pass_.pass = pass;
+        const auto timer = stages_.time(step_chains);
+        const std::uint64_t key = combine_keys(seed_, std::uint64_t{pass} + 2);
+        const std::vector<double> sizes = sample_starts(key, true);
+        const double mean = mean_of(sizes);
+        if (mean > 0) follow_chains(key, sizes, mean);
+        sum_of_means_ += mean;
+        if (sum_of_means_ > 0) expected_mean_ = sum_of_means_ / passes_;
+        return Progress::more;
+    }
+
+    ComponentImages image() const override {
+        ComponentImages images = short_paths_->image();
+        film_.add_mean(light_paths_.count * passes_, images);
+        return images;
+    }
+    RunCounts counts() const override {
+        RunCounts counts = short_paths_->counts();
+        counts.rays += rays_;
+        counts.non_finite = counts.non_finite + film_.non_finite();
+        return counts;
+    }
+    std::vector<std::pair<std::string, std::string>> facts() const override {
+        if (proposed_ == 0) return {};
+        return {{"accepted", fmt::format("{:.3g}", static_cast<double>(accepted_) / static_cast<double>(proposed_))}};
+    }
+
+private:
+    static double mean_of(const std::vector<double>& sizes) {
+        return std::accumulate(sizes.begin(), sizes.end(), 0.) / static_cast<double>(sizes.size());
+    }
+    /// The seed of independent sample i of a pass.
+    static std::uint64_t start_key(std::uint64_t pass_key, std::size_t i) { return combine_keys(pass_key, 2 * i); }
+
+    /// The sizes of independent states, among which the chains find their starts. Their light goes to the film, if it counts.
+    std::vector<double> sample_starts(std::uint64_t key, bool counts) {
+        std::vector<double> sizes(starts_);
+        std::atomic<std::uint64_t> traced = 0;
+        parallel_blocks(starts_, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
+            StateMaker maker(scene_, pass_);
+            State state;
+            for (std::size_t i = begin; i < end; ++i) {
+                PrimarySample numbers(start_key(key, i), 0);
+                maker.make(Sampler(numbers), state);
+                sizes[i] = state.size;
+                if (counts) splat_independent(state);
+            }
+            traced += maker.rays();
+        });
+        rays_ += traced;
+        return sizes;
+    }
+
+    /// Chains of equal length start at places that divide the sum of all sizes, whose mean is `mean`, evenly.
+    void follow_chains(std::uint64_t key, const std::vector<double>& sizes, double mean) {
+        std::vector<double> cumulative(sizes.size());
+        std::partial_sum(sizes.begin(), sizes.end(), cumulative.begin());
+        const double offset = double{Sampler(PointSet::independent, key, 1, 0).get_1d(0)};
+        std::atomic<std::uint64_t> traced = 0, accepted = 0;
+        StageProgress progress(stages_, step_chains, chains_);
+        parallel_blocks(chains_, 1, [&](std::size_t chain, std::size_t, std::size_t) {
+            const double at = (static_cast<double>(chain) + offset) / static_cast<double>(chains_) * cumulative.back();
+            const auto start =
+                std::min(std::upper_bound(cumulative.begin(), cumulative.end(), at), cumulative.end() - 1);
+            StateMaker maker(scene_, pass_);
+            accepted += follow_chain(maker, start_key(key, static_cast<std::size_t>(start - cumulative.begin())),
+                                     combine_keys(key, 2 * chain + 1), mean);
+            traced += maker.rays();
+            progress.add(1);
+        });
+        rays_ += traced;
+        accepted_ += accepted;
+        proposed_ += chains_ * steps_;
+    }
+
+    /// One chain: its states and its proposals, each weighed by the probability that the chain takes it (Veach 1997, section
+    /// 11.3.2). Returns how many proposals were accepted. `mean` is b of this pass.
+    std::uint64_t follow_chain(StateMaker& maker, std::uint64_t first, std::uint64_t key, double mean) {
+        PrimarySample numbers(first, key);
+        const Sampler sampler(numbers);
+        State now, next;
+        maker.make(sampler, now);
+        numbers.accept();
+        double weight = 0;  // how often the chain has been in this state, as an expected value
+        std::uint64_t accepted = 0;
+        for (std::uint32_t step = 0; step < steps_; ++step) {
+            const Vec2 u = Sampler(PointSet::independent, key, 0, step).get_2d(dimension::choices);
+            const bool is_large = double{u.x()} < large_steps_;
+            numbers.propose(is_large);
+            maker.make(sampler, next);
+            const double acceptance = std::min(1., next.size / now.size);
+            if (is_large) splat_independent(next);
+            weight += 1 - acceptance;
+            if (double{u.y()} < acceptance) {
+                splat_state(now, weight * mean);
+                std::swap(now, next);
+                weight = acceptance;
+                numbers.accept();
+                ++accepted;
+            } else {
+                splat_state(next, acceptance * mean);
+                numbers.reject();
+            }
+        }
+        splat_state(now, weight * mean);
+        return accepted;
+    }
+
+    // Two kinds of samples make each state, N independent ones of density 1 and M states of chains of density f / b. The balance
+    // heuristic weighs them (Kelemen et al. 2002, section 5), so that chains do not have to visit what is dim. Instead of b,
+    // which belongs to the samples themselves, the weights have its estimate from earlier ones.
+    double samples_at(double size) const {
+        const auto states = static_cast<double>(chains_ * steps_);
+        return static_cast<double>(starts_) + large_steps_ * states + states * size / expected_mean_;
+    }
+    void splat_independent(const State& state) { splat(state, light_paths_.count / samples_at(state.size)); }
+    void splat_state(const State& state, double times_mean) {
+        splat(state, times_mean * light_paths_.count / (expected_mean_ * samples_at(state.size)));
+    }
+    void splat(const State& state, double factor) {
+        if (!(factor > 0) || (state.is_finite && !(state.size > 0))) return;
+        for (const auto& [pixel, light] : state.light) {
+            PixelSample scaled;
+            for (std::size_t c = 0; c < light.parts.size(); ++c)
+                scaled.parts[c] = static_cast<float>(factor) * light.parts[c];
+            film_.add(pixel, pass_.pass, scaled);
+        }
+    }
+
+    const Scene& scene_;
+    double large_steps_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    bool runs_;
+    std::unique_ptr<Run> short_paths_;
+    LightPaths light_paths_;
+    SplatFilm film_;
+    PassOfPaths pass_;
+    std::size_t chains_, steps_, starts_;          ///< of a pass; steps are those of one chain
+    double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, and the sum over passes
+    std::uint64_t rays_ = 0, accepted_ = 0, proposed_ = 0;
+    std::uint32_t passes_ = 0;
+};
+
+class Metropolis final : public Method {
+public:
+    explicit Metropolis(const Settings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override {
+        Plan plan = described_plan(scene, find_method("metropolis"));
+        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        add_joined_paths(plan, scene, {PointSet::sobol, settings_.max_edges, {}});
+        const bool follows = plan.runs(step_light_paths);
+        plan.add(step_chains, follows && settings_.max_edges >= shortest,
+                 follows ? "chains make paths of three edges and more, which max_depth does not allow"
+                         : "no light paths are followed");
+        return plan;
+    }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        const Plan planned = plan(scene);
+        const ShownComponents shown = shown_components(scene, planned.called_for, find_method("metropolis"));
+        Plan of_short_paths = described_plan(scene, find_method("metropolis"));
+        add_joined_paths(of_short_paths, scene, short_paths(settings_));
+        auto short_run = start_joined_paths(scene, short_paths(settings_), of_short_paths, shown, seed, stages);
+        return std::make_unique<MetropolisRun>(scene, settings_, planned, std::move(short_run), shown, seed, stages);
+    }
+
+private:
+    Settings settings_;
+};
+
+}  // namespace
+
+MethodDescription describe_metropolis() {
+    return {
+        .name = "metropolis",
+        .sentence = "Markov chains through bidirectional paths: unbiased, stays where it has found light",
+        .parameters = {number_parameter("large_steps", "0.5", "", 0.01, 1,
+                                        "probability of a step that draws all numbers anew")},
+        .simulates = Effects::all(),
+        .components = {all_components.begin(), all_components.end()},
+        .unbiased = true,
+        .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
+            return std::make_unique<Metropolis>(Settings{values.number("large_steps"), max_edges_of(values, defaults)});
+        },
+    };
+}
+
+}  // namespace gib
