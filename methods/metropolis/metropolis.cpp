@@ -10,7 +10,7 @@
 // f, and the chains start at some of these, chosen in proportion to f. Whatever the number of steps, b times the mean of h / f
 // over a chain's states then has the expected value of h (Veach 1997, section 11.3.1): there is no start-up bias, and
 // passes are independent.
-// A pass: for every pixel one bidirectional sample of up to two edges, one step of a chain and half an independent sample.
+// A pass: for every pixel one bidirectional sample of up to two edges, one step of a chain and one independent sample.
 // Noise: neighbouring pixels share the states of a chain, so noise has blobs, and the brightness of a feature that few
 // chains find is uncertain as a whole.
 // Fails: never; non-finite samples are counted and dropped.
@@ -110,7 +110,7 @@ public:
         const auto pixels = static_cast<std::size_t>(light_paths_.count);
         chains_ = (pixels + steps_of_chain - 1) / steps_of_chain;
         steps_ = (pixels + chains_ - 1) / chains_;
-        starts_ = (pixels + 1) / 2;
+        starts_ = pixels;
         if (runs_) expected_mean_ = mean_of(sample_starts(combine_keys(seed, 1), false));
     }
 

@@ -92,7 +92,7 @@ const std::vector<std::string> both = {"bidirectional", "metropolis", "metropoli
 TEST(Metropolis, AgreesWithBidirectional) {
     expect_same_means(room_xml({.light = lamp}), both);
     expect_same_means(room_xml({.light = lamp, .ball = glass_ball}), both);
-    expect_same_means(room_xml({.light = lit_rooms::point, .ball = diffuse_ball, .filter = "gaussian"}), both);
+    expect_same_means(room_xml({.light = lit_rooms::point, .filter = "gaussian", .ball = diffuse_ball}), both);
 }
 TEST(Metropolis, AgreesInFogAndUnderTheSky) {
     expect_same_means(room_xml({.light = lamp, .more = fog}), both);
