@@ -63,7 +63,10 @@ void Scene::add(SceneParts::Object&& object) {
         light = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
     }
-    surfaces_.push_back({object.material, light});
+    const Material& material = materials_[object.material];
+    const bool uses_uv =
+        !material.constant() || material.follows_uv() || (object.radiance && !object.radiance->constant());
+    surfaces_.push_back({object.material, light, uses_uv});
     media_sides_.push_back(object.media);
     has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
     has_holes_ |= materials_[object.material].has_holes();
@@ -85,10 +88,10 @@ bool Scene::has_unbounded_medium() const {
     return false;
 }
 
-SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
+SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray, bool with_uv) const {
     const Instance& instance = groups_.instances[i.instance];
     const Ray r = carried_to_group(instance, ray);
-    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d));
+    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d, with_uv));
 }
 
 void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
@@ -100,23 +103,23 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
     lights_.push_back(std::move(light));
 }
 
-std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional<Intersection>& i) const {
-    std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
-    if (!i) return hit;
-    const Surface& surface = surfaces_[i->shape];
+/// The only returned object is made and returned in place: it is too large to be cleared or copied for every ray.
+std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& i) const {
+    const Surface& surface = surfaces_[i.shape];
     const Material& material = materials_[surface.material];
-    hit.emplace(i->instance == no_instance
-                    ? surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d)
-                    : geometry_on_instance(*i, ray));
+    std::optional<SurfaceHit> hit(
+        std::in_place, i.instance == no_instance
+                           ? surface_at(shapes_[i.shape], i.primitive, i.u, i.v, ray.o + i.t * ray.d, surface.uses_uv)
+                           : geometry_on_instance(i, ray, surface.uses_uv));
     if (!hit->normals_agree_about(ray.d)) {
         hit->delta_only = true;
         hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
     }
     hit->bsdf = material.constant();
     hit->light = surface.light;
-    hit->shape = i->shape;
-    hit->primitive = i->primitive;
-    hit->instance = i->instance;
+    hit->shape = i.shape;
+    hit->primitive = i.primitive;
+    hit->instance = i.instance;
     if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit->shading = Frame(hit->ns);
     if (!hit->bsdf || material.follows_uv()) resolve_material(material, *hit);
@@ -165,7 +168,7 @@ bool Scene::has_scattering_media() const {
 std::optional<LightSample> Scene::sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
     const auto choice = light_tree_.choose(at, u_choice);
     if (!choice) return std::nullopt;
-    auto sample = gib::sample_light(lights_[choice->light], shapes_, at.p.cast<float>(), u);
+    auto sample = gib::sample_light(lights_[choice->light], shapes_, at.p, u);
     if (!sample) return sample;
     sample->pdf_w *= choice->probability;
     sample->light = choice->light;
@@ -173,7 +176,7 @@ std::optional<LightSample> Scene::sample_light(const LitPoint& at, float u_choic
 }
 
 float Scene::light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const {
-    return light_tree_.probability(at, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, at.p.cast<float>(), hit);
+    return light_tree_.probability(at, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, at.p, hit);
 }
 
 float Scene::environment_pdf_w(const LitPoint& at, const Vec3& w) const {
@@ -184,8 +187,7 @@ float Scene::environment_pdf_w(const LitPoint& at, const Vec3& w) const {
 float Scene::light_pdf_w(const LitPoint& at, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
     const float choice = light_tree_.probability(at, light);
     const Light& of = lights_[light];
-    if (const auto* area = std::get_if<AreaLight>(&of))
-        return choice * gib::light_pdf_w(*area, shapes_, at.p.cast<float>(), point);
+    if (const auto* area = std::get_if<AreaLight>(&of)) return choice * gib::light_pdf_w(*area, shapes_, at.p, point);
     return is_environment(of) ? choice * gib::environment_pdf_w(of, -w) : choice;
 }
 
