@@ -118,9 +118,7 @@ public:
                                            Lobes which = Lobes::all) const {
         const DiffuseSide& side = diffuse_side(wo.z());
         if (!side.alone) return sample_layered_local(wo, u_lobe, u, transport, which);
-        auto sample = side.model.sample_local(side.seen(wo), u_lobe.x(), u, transport, which);
-        if (sample) sample->wi = side.seen(sample->wi);
-        return sample;
+        return side.sample_local(wo, u, which);
     }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
     ScatteringCoefficients coefficients_local(const Vec3& wo) const {
@@ -159,6 +157,11 @@ private:
         float front = 1.f;   ///< the sign of z on the layer's front
 
         Vec3 seen(const Vec3& w) const { return {w.x(), w.y(), front * w.z()}; }
+        std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u, Lobes which) const {
+            auto sample = model.sample_local(seen(wo), 0.f, u, Transport::radiance, which);
+            if (sample) sample->wi.z() *= front;
+            return sample;
+        }
     };
     static std::size_t below(float cos_o) { return cos_o < 0.f ? 1 : 0; }
     const DiffuseSide& diffuse_side(float cos_o) const { return diffuse_sides_[below(cos_o)]; }

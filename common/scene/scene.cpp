@@ -88,7 +88,9 @@ bool Scene::has_unbounded_medium() const {
     return false;
 }
 
-SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray, bool with_uv) const {
+SurfaceGeometry Scene::geometry_at(const Intersection& i, const Ray& ray, bool with_uv) const {
+    if (i.instance == no_instance)
+        return surface_at(shapes_[i.shape], i.primitive, i.u, i.v, ray.o + i.t * ray.d, with_uv);
     const Instance& instance = groups_.instances[i.instance];
     const Ray r = carried_to_group(instance, ray);
     return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d, with_uv));
@@ -103,14 +105,12 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
     lights_.push_back(std::move(light));
 }
 
-/// The only returned object is made and returned in place: it is too large to be cleared or copied for every ray.
 std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& i) const {
     const Surface& surface = surfaces_[i.shape];
     const Material& material = materials_[surface.material];
-    std::optional<SurfaceHit> hit(
-        std::in_place, i.instance == no_instance
-                           ? surface_at(shapes_[i.shape], i.primitive, i.u, i.v, ray.o + i.t * ray.d, surface.uses_uv)
-                           : geometry_on_instance(i, ray, surface.uses_uv));
+    const auto* mesh = i.instance == no_instance ? std::get_if<Mesh>(&shapes_[i.shape]) : nullptr;
+    auto hit = mesh ? std::optional<SurfaceHit>(std::in_place, mesh->surface_at(i.primitive, i.u, i.v))
+                    : std::optional<SurfaceHit>(std::in_place, geometry_at(i, ray, surface.uses_uv));
     if (!hit->normals_agree_about(ray.d)) {
         hit->delta_only = true;
         hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
@@ -165,13 +165,13 @@ bool Scene::has_scattering_media() const {
     return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }
 
-std::optional<LightSample> Scene::sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
-    const auto choice = light_tree_.choose(at, u_choice);
-    if (!choice) return std::nullopt;
-    auto sample = gib::sample_light(lights_[choice->light], shapes_, at.p, u);
-    if (!sample) return sample;
-    sample->pdf_w *= choice->probability;
-    sample->light = choice->light;
+std::optional<LightSample> Scene::sample_chosen(const LightTree::Choice& choice, const LitPoint& at,
+                                                const Vec2& u) const {
+    auto sample = gib::sample_light(lights_[choice.light], shapes_, at.p, u);
+    if (sample) {
+        sample->pdf_w *= choice.probability;
+        sample->light = choice.light;
+    }
     return sample;
 }
 

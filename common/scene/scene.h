@@ -132,7 +132,8 @@ public:
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
     /// The surface where the accelerator found `intersection` on the ray.
     std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const {
-        return intersection ? surface_on(ray, *intersection) : std::nullopt;
+        if (!intersection) return std::nullopt;
+        return surface_on(ray, *intersection);
     }
     /// Starts to fetch the data that surface_hit() will read, for callers that have other work in between.
     void prefetch(const std::optional<Intersection>& intersection) const {
@@ -150,7 +151,11 @@ public:
     const LightTree& light_tree() const { return light_tree_; }
     /// Chooses a light by what it can do at a point (light_tree.h) and samples a point on it; empty if this cannot be
     /// seen from there.
-    std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const;
+    std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
+        const auto choice = light_tree_.choose(at, u_choice);
+        if (!choice) return std::nullopt;
+        return sample_chosen(*choice, at, u);
+    }
     /// Density [1/sr] with which sample_light for `at` finds `hit`, which lies on an emitter.
     float light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const;
     /// The light that rays see when they leave the scene; null: none.
@@ -185,12 +190,14 @@ private:
         bool uses_uv;  ///< the material or the emission depends on uv
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
+    // Large results are made in place, by functions that return nothing else: a copy waits for all its parts.
+    std::optional<LightSample> sample_chosen(const LightTree::Choice& choice, const LitPoint& at, const Vec2& u) const;
     std::optional<SurfaceHit> surface_on(const Ray& ray, const Intersection& i) const;
     void resolve_material(const Material& material, SurfaceHit& hit) const;
     MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
-    SurfaceGeometry geometry_on_instance(const Intersection& i, const Ray& ray, bool with_uv) const;
+    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray, bool with_uv) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_

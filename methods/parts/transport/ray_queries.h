@@ -48,7 +48,7 @@ public:
     /// trace() and surface_hit() are the two steps of intersect(): the first sets `traced.found`.
     void trace(TracedRay& traced) {
         note(traced.ray, false);
-        traced.found = scene_.accelerator().intersect(traced.ray);
+        scene_.accelerator().intersect(traced.ray, traced.found);
     }
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
@@ -236,7 +236,8 @@ private:
 
     void note(const Ray& ray, bool shadow) {
         ++count_;
-        if (log_) log_->entries.push_back({ray, shadow});
+        if (log_) [[unlikely]]
+            log_->entries.push_back({ray, shadow});
     }
 
     const Scene& scene_;
