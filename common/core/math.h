@@ -102,8 +102,8 @@ struct Frame {
         s = Vec3(1.f + sign * sqr(n.x()) * a, sign * b, -sign * n.x());
         t = Vec3(b, sign + sqr(n.y()) * a, -n.y());
     }
-    Vec3 to_local(const Vec3& w) const { return {s.dot(w), t.dot(w), n.dot(w)}; }
-    Vec3 to_world(const Vec3& w) const { return s * w.x() + t * w.y() + n * w.z(); }
+    [[gnu::always_inline]] Vec3 to_local(const Vec3& w) const { return {s.dot(w), t.dot(w), n.dot(w)}; }
+    [[gnu::always_inline]] Vec3 to_world(const Vec3& w) const { return s * w.x() + t * w.y() + n * w.z(); }
 };
 
 /// A frame around the unit vector `n` whose first axis is as close to `direction` as possible. If the two are

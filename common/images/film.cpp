@@ -22,15 +22,13 @@ Film::Film(int width, int height, const std::vector<Component>& accumulated, con
 }
 
 void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample) {
-    bool finite = true;
     for (std::size_t c = 0; c < sums_.size(); ++c) {
-        finite = finite && sample.parts[c].isFinite().all();
-        if (sums_[c].empty() && !is_black(sample.parts[c]))
-            throw std::logic_error("a sample holds light of a component that the plan left out");
+        if (is_black(sample.parts[c])) continue;
+        if (sums_[c].empty()) throw std::logic_error("a sample holds light of a component that the plan left out");
+        if (!sample.parts[c].isFinite().all()) return non_finite_.note(pass, pixel);
     }
-    if (!finite) return non_finite_.note(pass, pixel);
     for (std::size_t c = 0; c < sums_.size(); ++c) {
-        if (sums_[c].empty()) continue;
+        if (is_black(sample.parts[c])) continue;
         for (std::size_t k = 0; k < 3; ++k)
             sums_[c][3 * pixel + k] += static_cast<double>(sample.parts[c][static_cast<Eigen::Index>(k)]);
     }

@@ -49,12 +49,13 @@ std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
 /// The point of a sphere in the direction n from its centre. surface_at() computes the direction from the difference
 /// of a point and the centre. A point far out is passed to it, for which rounding changes the direction least: this
 /// matters if the radius is about an ulp of the centre.
-SurfaceGeometry place_on_sphere(const Sphere& sphere, const Vec3& n) {
+SurfaceGeometry place_on_sphere(const AreaLight& light, const Shape& shape, const Vec3& n) {
+    const auto& sphere = std::get<Sphere>(shape);
     const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
-    return surface_at(sphere, 0, 0, 0, sphere.center + lever * n);
+    return surface_at_analytic(shape, sphere.center + lever * n, light.texture.has_value());
 }
 
-std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sphere, const SphereCone& cone,
+std::optional<LightSample> sample_cone(const AreaLight& light, const Shape& shape, const SphereCone& cone,
                                        const Vec3& p, const Vec2& u) {
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
     const Frame frame(cone.axis);
@@ -63,10 +64,10 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     // 0, distance) from the centre. This is written without cancellation, because the cone of a small or distant
     // sphere is known to more digits than the cosine of its angle.
     const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
-    const double d = double{cone.distance}, r = double{sphere.radius};
+    const double d = double{cone.distance}, r = double{std::get<Sphere>(shape).radius};
     const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
     const Vec3d n = Vec3d(t * x, t * y, -d * sin2 - inside * cosine).normalized();
-    const SurfaceGeometry q = place_on_sphere(sphere, frame.to_world(n.cast<float>()));
+    const SurfaceGeometry q = place_on_sphere(light, shape, frame.to_world(n.cast<float>()));
     return LightSample{.wi = wi,
                        .distance = static_cast<float>(t),
                        .Le = light.radiance_at(q.uv),
@@ -94,7 +95,7 @@ struct LightSampler {
 
     std::optional<LightSample> operator()(const AreaLight& light) const {
         const Shape& shape = shapes[light.shape];
-        if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, std::get<Sphere>(shape), *cone, p, u);
+        if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, shape, *cone, p, u);
         if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
         const SurfaceGeometry q = light.surface.sample_geometry(shape, u);
         return seen_from_front(light, q, light.texture->color(q.texture_point()));
@@ -237,7 +238,7 @@ private:
         // As in square_to_cosine_hemisphere: no ray leaves along the surface.
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
         const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
-        const SurfaceGeometry q = place_on_sphere(sphere, n);
+        const SurfaceGeometry q = place_on_sphere(light, shapes[light.shape], n);
         return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, light.radiance_at(q.uv)), q.ng};
     }
 

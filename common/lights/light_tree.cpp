@@ -100,8 +100,8 @@ EmissionCone united(const EmissionCone& first, const EmissionCone& second) {
 }
 
 double LightBounds::importance(const LitPoint& at) const {
-    const Vec3d way = at.p - center;
-    if (at.side.dot(way) > radius) return 0;
+    const Vec3d way = at.p.cast<double>() - center;
+    if (at.side.cast<double>().dot(way) > radius) return 0;
     const double d2 = way.squaredNorm(), r2 = sqr(radius);
     if (d2 <= r2) return r2 > 0 ? intensity / r2 : 0;
     const double cosine = std::clamp(cone.axis.dot(way) / std::sqrt(d2), -1.0, 1.0);
@@ -245,8 +245,7 @@ double LightTree::importance_of_all(const LitPoint& at) const {
     return sum;
 }
 
-std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, float u) const {
-    if (only_) return Choice{*only_, 1.f};
+std::optional<LightTree::Choice> LightTree::choose_of_several(const LitPoint& at, float u) const {
     const double sum = importance_of_all(at);
     Choices choices{double{u}};
     double rest = 1;  // the probability of what has not been asked for
@@ -294,8 +293,7 @@ double LightTree::probability_in_tree(const LitPoint& at, std::uint32_t light) c
     return (1 - even_share) * by_importance + even_share / static_cast<double>(finite_.size());
 }
 
-float LightTree::probability(const LitPoint& at, std::uint32_t light) const {
-    if (only_) return light == *only_ ? 1.f : 0.f;
+float LightTree::probability_of_several(const LitPoint& at, std::uint32_t light) const {
     const double sum = importance_of_all(at);
     for (const Distant& distant : distant_)
         if (distant.light == light) return static_cast<float>(share(distant.importance(at), sum));

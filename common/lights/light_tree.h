@@ -22,10 +22,9 @@ namespace gib {
 /// A point that lights may light: in a medium from all sides, or on a surface from one side.
 struct LitPoint {
     /// `towards` is a normal of the side from which light counts [unit]; zero: light from all sides counts.
-    LitPoint(const Vec3& point, const Vec3& towards = Vec3::Zero())
-        : p(point.cast<double>()), side(towards.cast<double>()) {}
+    LitPoint(const Vec3& point, const Vec3& towards = Vec3::Zero()) : p(point), side(towards) {}
 
-    Vec3d p, side;
+    Vec3 p, side;
 };
 
 /// The directions in which a light, or a group of lights, shines.
@@ -73,9 +72,13 @@ public:
         float probability;
     };
     /// Chooses a light by u in [0, 1). Empty if no light was found that can reach the point: that sample is 0.
-    std::optional<Choice> choose(const LitPoint& at, float u) const;
+    std::optional<Choice> choose(const LitPoint& at, float u) const {
+        return only_ ? Choice{*only_, 1.f} : choose_of_several(at, u);
+    }
     /// The probability with which choose() returns the light.
-    float probability(const LitPoint& at, std::uint32_t light) const;
+    float probability(const LitPoint& at, std::uint32_t light) const {
+        return only_ ? static_cast<float>(light == *only_) : probability_of_several(at, light);
+    }
 
 private:
     static constexpr std::uint32_t none = ~0u;
@@ -92,8 +95,13 @@ private:
         double irradiance;
         Vec3d direction;  ///< direction in which the light travels; zero for an environment
 
-        double importance(const LitPoint& at) const { return at.side.dot(direction) > 0 ? 0 : irradiance; }
+        double importance(const LitPoint& at) const {
+            return at.side.cast<double>().dot(direction) > 0 ? 0 : irradiance;
+        }
     };
+
+    std::optional<Choice> choose_of_several(const LitPoint& at, float u) const;
+    float probability_of_several(const LitPoint& at, std::uint32_t light) const;
 
     struct Leaf;
     void build(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end, std::uint32_t node);

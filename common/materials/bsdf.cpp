@@ -217,6 +217,7 @@ void Bsdf::prepare() {
     mixes_kinds_ = traits_.diffuse && traits_.glossy;
     has_sheets_ = std::any_of(layers_.begin(), layers_.end(),
                               [](const Layer& l) { return std::holds_alternative<ThinDielectric>(l.model); });
+    is_tilted_ = std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) { return l.to_layer.has_value(); });
     const auto plain = [](const Layer& layer) { return !layer.to_layer && layer.weight == 1.f && !layer.coat; };
     if (layers_.size() == 1 && plain(layers_[0])) only_ = {0, 0};
     const bool back_to_back = layers_.size() == 2 && plain(layers_[0]) && plain(layers_[1]) && !layers_[0].flipped &&
@@ -241,10 +242,6 @@ LobeTraits Bsdf::traits_of_side(bool below) const {
         if (t.transmission || layer.flipped == below) traits |= t;
     }
     return traits;
-}
-
-bool Bsdf::is_tilted() const {
-    return std::any_of(layers_.begin(), layers_.end(), [](const Layer& layer) { return layer.to_layer.has_value(); });
 }
 
 std::optional<std::array<BsdfSample, 2>> Bsdf::delta_pair_local(const Vec3& wo, Transport transport) const {
@@ -370,7 +367,7 @@ void Bsdf::choose_kind(const Vec3& wo, float u, Transport transport, BsdfSample&
     sample.f = is_diffuse ? Color(f.diffuse / diffuse) : Color(f.specular / (1.f - diffuse));
 }
 
-ScatteringCoefficients Bsdf::coefficients_local(const Vec3& wo) const {
+ScatteringCoefficients Bsdf::layered_coefficients_local(const Vec3& wo) const {
     ScatteringCoefficients sum;
     for (const Layer& layer : layers_) {
         const Vec3 o = to_layer(layer, wo);

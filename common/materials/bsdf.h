@@ -118,12 +118,13 @@ public:
                                            Lobes which = Lobes::all) const {
         const DiffuseSide& side = diffuse_side(wo.z());
         if (!side.alone) return sample_layered_local(wo, u_lobe, u, transport, which);
-        auto sample = side.model.sample_local(side.seen(wo), u_lobe.x(), u, transport, which);
-        if (sample) sample->wi = side.seen(sample->wi);
-        return sample;
+        return side.sample_local(wo, u, which);
     }
     /// The share of light from wo that is scattered: see ScatteringCoefficients.
-    ScatteringCoefficients coefficients_local(const Vec3& wo) const;
+    ScatteringCoefficients coefficients_local(const Vec3& wo) const {
+        const DiffuseSide& side = diffuse_side(wo.z());
+        return side.alone ? side.model.coefficients_local(side.seen(wo)) : layered_coefficients_local(wo);
+    }
     /// The two delta lobes of a smooth interface, for paths that follow both instead of choosing one: the weight of
     /// each path is then f |cos|, not divided by pdf_w. Empty if light from wo has any other way to go.
     std::optional<std::array<BsdfSample, 2>> delta_pair_local(const Vec3& wo, Transport transport) const;
@@ -134,7 +135,7 @@ public:
     bool reflects() const { return traits_.scatters(); }
     bool two_sided() const;
     /// Whether a bump or normal map gives any layer its own normal.
-    bool is_tilted() const;
+    bool is_tilted() const { return is_tilted_; }
     const std::vector<Layer>& layers() const { return layers_; }
 
     /// The reflectance of a side that has only an ideal diffuse layer, where the irradiance alone determines the
@@ -156,6 +157,11 @@ private:
         float front = 1.f;   ///< the sign of z on the layer's front
 
         Vec3 seen(const Vec3& w) const { return {w.x(), w.y(), front * w.z()}; }
+        std::optional<BsdfSample> sample_local(const Vec3& wo, const Vec2& u, Lobes which) const {
+            auto sample = model.sample_local(seen(wo), 0.f, u, Transport::radiance, which);
+            if (sample) sample->wi.z() *= front;
+            return sample;
+        }
     };
     static std::size_t below(float cos_o) { return cos_o < 0.f ? 1 : 0; }
     const DiffuseSide& diffuse_side(float cos_o) const { return diffuse_sides_[below(cos_o)]; }
@@ -169,6 +175,7 @@ private:
     LobeTraits traits_of_side(bool below) const;
     Color straight_on_with_sheets(const Vec3& wo) const;
     LobeValues layered_f_local(const Vec3& wo, const Vec3& wi, Transport transport) const;
+    ScatteringCoefficients layered_coefficients_local(const Vec3& wo) const;
     float layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Transport transport) const;
     std::optional<BsdfSample> sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
                                                    Transport transport, Lobes which) const;
@@ -182,6 +189,7 @@ private:
     LobeTraits traits_;
     bool mixes_kinds_ = false;  ///< diffuse and glossy lobes together
     bool has_sheets_ = false;   ///< some layer is a thin sheet
+    bool is_tilted_ = false;
     // By side, above and below:
     std::array<LobeTraits, 2> traits_of_side_;
     std::array<int, 2> only_ = {-1, -1};  ///< the index of only_layer()

@@ -29,21 +29,6 @@ inline std::uint64_t combine_keys(std::uint64_t a, std::uint64_t b) {
     return mix64(mix64(a + 0x9e3779b97f4a7c15ull) ^ (b + 0xd1b54a32d192ed03ull));
 }
 
-/// Mixes 32 bits as mix64() mixes 64; Numbers is one number or a vector register of them. Source: lowbias32 of C.
-/// Wellons, "Prospecting for Hash Functions" (2018). Its output bits change with a probability closer to 1/2 than
-/// those of MurmurHash3's finaliser.
-template <typename Numbers>
-inline Numbers mix32(Numbers x) {
-    x = (x ^ (x >> 16)) * 0x7feb352du;
-    x = (x ^ (x >> 15)) * 0x846ca68bu;
-    return x ^ (x >> 16);
-}
-
-/// The top 24 bits as a float in [0, 1): every value is a multiple of 2^-24, and 1 cannot be reached by rounding.
-inline float unit_float(std::uint32_t bits) {
-    return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
-}
-
 inline std::uint32_t reverse_bits(std::uint32_t x) {
     x = __builtin_bswap32(x);
     x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
@@ -55,6 +40,15 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
 using Eight [[gnu::vector_size(32)]] = std::uint32_t;
 using EightFloats [[gnu::vector_size(32)]] = float;
 
+/// Mixes 32 bits as mix64() mixes 64. Source: lowbias32 of C. Wellons, "Prospecting for Hash Functions" (2018). Its
+/// output bits change with a probability closer to 1/2 than those of MurmurHash3's finaliser.
+inline Eight mix32(Eight x) {
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+/// The top 24 bits as a float in [0, 1): every value is a multiple of 2^-24, and 1 cannot be reached by rounding.
 inline EightFloats unit_float(const Eight& bits) {
     using EightInts [[gnu::vector_size(32)]] = std::int32_t;
     return __builtin_convertvector(reinterpret_cast<EightInts>(bits >> 8), EightFloats) * 0x1p-24f;
@@ -84,8 +78,7 @@ inline Eight reverse_bits(const Eight& numbers) {
 /// Owen's nested uniform scrambling of a number given with its bits REVERSED (each bit is flipped by a hash of the bits
 /// below it). Source: Laine and Karras 2011, section 3.1; Burley 2020, "Practical Hash-based Owen Scrambling", JCGT
 /// 9(4); with the constants of Vegdahl 2021, "Building a Better LK Hash".
-template <typename Numbers>
-inline Numbers scramble_reversed(Numbers x, const Numbers& seed) {
+inline Eight scramble_reversed(Eight x, const Eight& seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
     x *= (seed >> 16) | 1u;
@@ -97,8 +90,7 @@ inline Numbers scramble_reversed(Numbers x, const Numbers& seed) {
 /// The second dimension of Sobol's sequence, with reversed bits. Its matrix is Pascal's triangle modulo 2, in which
 /// C(i, j) is odd exactly if the bits of j are a subset of those of i (Lucas). The product of matrix and index is
 /// therefore a sum over supersets, which takes five steps.
-template <typename Numbers>
-inline Numbers sobol_second_reversed(Numbers index) {
+inline Eight sobol_second_reversed(Eight index) {
     index ^= (index >> 1) & 0x55555555u;
     index ^= (index >> 2) & 0x33333333u;
     index ^= (index >> 4) & 0x0f0f0f0fu;
@@ -202,25 +194,19 @@ public:
 
     /// A point in [0, 1)^2. Different dimensions are independent of each other.
     Vec2 get_2d(std::uint32_t dimension) const {
-        if (store_) {
+        if (store_) [[unlikely]] {
             const EightFloats block = store_->block(sequence_key_.whole(), (dimension + 1) / 4);
             return {block[2 * ((dimension + 1) % 4)], block[2 * ((dimension + 1) % 4) + 1]};
         }
-        const auto number = [&](std::uint32_t n) {
-            return unit_float(dimension < sobol_dimensions_ ? sobol_number(dimension, n)
-                                                            : independent_number(dimension, n));
-        };
-        return {number(0), number(1)};
+        const EightFloats all = numbers_from(dimension);
+        return {all[0], all[1]};
     }
 
-    /// All dimensions of a vertex at once, as get_2d() returns them one by one. This makes random numbers cheap
-    /// compared with ray queries.
+    /// All dimensions of a vertex at once, as get_2d() returns them one by one.
     VertexNumbers at_vertex(int vertex) const {
-        if (store_) return VertexNumbers(store_->block(sequence_key_.whole(), static_cast<std::uint32_t>(vertex) + 1));
-        const std::uint32_t dimension = dimension::at_vertex(vertex, 0);
-        const Eight n = {0, 1, 2, 3, 4, 5, 6, 7};
-        return VertexNumbers(
-            unit_float(dimension < sobol_dimensions_ ? sobol_number(dimension, n) : independent_number(dimension, n)));
+        if (store_) [[unlikely]]
+            return VertexNumbers(store_->block(sequence_key_.whole(), static_cast<std::uint32_t>(vertex) + 1));
+        return VertexNumbers(numbers_from(dimension::at_vertex(vertex, 0)));
     }
 
 private:
@@ -236,17 +222,20 @@ private:
     /// the same hash.
     static constexpr std::uint32_t step = 0x9e3779b9u;
 
-    // Both return coordinate n % 2 of dimension d + n / 2 as 32 bits, for one n or for a vector of eight.
-    template <typename Numbers>
-    Numbers sobol_number(std::uint32_t d, const Numbers& n) const {
-        const Numbers shuffle = mix32(sequence_key_.low + d * step + (n / 2) * step);
-        const Numbers scramble = mix32(sequence_key_.high + 2 * d * step + n * step);
-        const Numbers index = reverse_bits(scramble_reversed(reversed_pass_ + 0 * n, shuffle));
-        const Numbers reversed = n % 2 == 0 ? index : sobol_second_reversed(index);
+    /// The numbers of dimension d and, if they are of the same kind, of the next three. A register of them takes less
+    /// time than a single point in scalars, so that random numbers are cheap compared with ray queries.
+    EightFloats numbers_from(std::uint32_t d) const {
+        const Eight n = {0, 1, 2, 3, 4, 5, 6, 7};  // coordinate n % 2 of dimension d + n / 2
+        return unit_float(d < sobol_dimensions_ ? sobol_numbers(d, n) : independent_numbers(d, n));
+    }
+    Eight sobol_numbers(std::uint32_t d, const Eight& n) const {
+        const Eight shuffle = mix32(sequence_key_.low + d * step + (n / 2) * step);
+        const Eight scramble = mix32(sequence_key_.high + 2 * d * step + n * step);
+        const Eight index = reverse_bits(scramble_reversed(reversed_pass_ + 0 * n, shuffle));
+        const Eight reversed = n % 2 == 0 ? index : sobol_second_reversed(index);
         return reverse_bits(scramble_reversed(reversed, scramble));
     }
-    template <typename Numbers>
-    Numbers independent_number(std::uint32_t d, const Numbers& n) const {
+    Eight independent_numbers(std::uint32_t d, const Eight& n) const {
         return mix32(mix32(pass_key_.low + 2 * d * step + n * step) ^ pass_key_.high);
     }
 

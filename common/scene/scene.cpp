@@ -63,7 +63,10 @@ void Scene::add(SceneParts::Object&& object) {
         light = static_cast<std::uint32_t>(lights_.size());
         lights_.push_back(AreaLight(shape, shapes_.back(), *object.radiance));
     }
-    surfaces_.push_back({object.material, light});
+    const Material& material = materials_[object.material];
+    const bool uses_uv =
+        !material.constant() || material.follows_uv() || (object.radiance && !object.radiance->constant());
+    surfaces_.push_back({object.material, light, uses_uv});
     media_sides_.push_back(object.media);
     has_media_ |= object.media.interior != no_medium || object.media.exterior != no_medium;
     has_holes_ |= materials_[object.material].has_holes();
@@ -85,10 +88,12 @@ bool Scene::has_unbounded_medium() const {
     return false;
 }
 
-SurfaceGeometry Scene::geometry_on_instance(const Intersection& i, const Ray& ray) const {
+SurfaceGeometry Scene::geometry_at(const Intersection& i, const Ray& ray, bool with_uv) const {
+    if (i.instance == no_instance)
+        return surface_at(shapes_[i.shape], i.primitive, i.u, i.v, ray.o + i.t * ray.d, with_uv);
     const Instance& instance = groups_.instances[i.instance];
     const Ray r = carried_to_group(instance, ray);
-    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d));
+    return carried_to_scene(instance, surface_at(shapes_[i.shape], i.primitive, i.u, i.v, r.o + i.t * r.d, with_uv));
 }
 
 void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
@@ -100,23 +105,21 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
     lights_.push_back(std::move(light));
 }
 
-std::optional<SurfaceHit> Scene::surface_hit(const Ray& ray, const std::optional<Intersection>& i) const {
-    std::optional<SurfaceHit> hit;  // returned in place: it is too large to be copied for every ray
-    if (!i) return hit;
-    const Surface& surface = surfaces_[i->shape];
+std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& i) const {
+    const Surface& surface = surfaces_[i.shape];
     const Material& material = materials_[surface.material];
-    hit.emplace(i->instance == no_instance
-                    ? surface_at(shapes_[i->shape], i->primitive, i->u, i->v, ray.o + i->t * ray.d)
-                    : geometry_on_instance(*i, ray));
+    const auto* mesh = i.instance == no_instance ? std::get_if<Mesh>(&shapes_[i.shape]) : nullptr;
+    auto hit = mesh ? std::optional<SurfaceHit>(std::in_place, mesh->surface_at(i.primitive, i.u, i.v))
+                    : std::optional<SurfaceHit>(std::in_place, geometry_at(i, ray, surface.uses_uv));
     if (!hit->normals_agree_about(ray.d)) {
         hit->delta_only = true;
         hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
     }
     hit->bsdf = material.constant();
     hit->light = surface.light;
-    hit->shape = i->shape;
-    hit->primitive = i->primitive;
-    hit->instance = i->instance;
+    hit->shape = i.shape;
+    hit->primitive = i.primitive;
+    hit->instance = i.instance;
     if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit->shading = Frame(hit->ns);
     if (!hit->bsdf || material.follows_uv()) resolve_material(material, *hit);
@@ -162,18 +165,18 @@ bool Scene::has_scattering_media() const {
     return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }
 
-std::optional<LightSample> Scene::sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
-    const auto choice = light_tree_.choose(at, u_choice);
-    if (!choice) return std::nullopt;
-    auto sample = gib::sample_light(lights_[choice->light], shapes_, at.p.cast<float>(), u);
-    if (!sample) return sample;
-    sample->pdf_w *= choice->probability;
-    sample->light = choice->light;
+std::optional<LightSample> Scene::sample_chosen(const LightTree::Choice& choice, const LitPoint& at,
+                                                const Vec2& u) const {
+    auto sample = gib::sample_light(lights_[choice.light], shapes_, at.p, u);
+    if (sample) {
+        sample->pdf_w *= choice.probability;
+        sample->light = choice.light;
+    }
     return sample;
 }
 
 float Scene::light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const {
-    return light_tree_.probability(at, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, at.p.cast<float>(), hit);
+    return light_tree_.probability(at, hit.light) * gib::light_pdf_w(*hit.emitter, shapes_, at.p, hit);
 }
 
 float Scene::environment_pdf_w(const LitPoint& at, const Vec3& w) const {
@@ -184,8 +187,7 @@ float Scene::environment_pdf_w(const LitPoint& at, const Vec3& w) const {
 float Scene::light_pdf_w(const LitPoint& at, std::uint32_t light, const SurfacePoint& point, const Vec3& w) const {
     const float choice = light_tree_.probability(at, light);
     const Light& of = lights_[light];
-    if (const auto* area = std::get_if<AreaLight>(&of))
-        return choice * gib::light_pdf_w(*area, shapes_, at.p.cast<float>(), point);
+    if (const auto* area = std::get_if<AreaLight>(&of)) return choice * gib::light_pdf_w(*area, shapes_, at.p, point);
     return is_environment(of) ? choice * gib::environment_pdf_w(of, -w) : choice;
 }
 

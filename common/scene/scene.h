@@ -17,7 +17,8 @@ namespace gib {
 
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
-    explicit SurfaceHit(const SurfaceGeometry& geometry) : SurfaceGeometry(geometry), interpolated(geometry.ns) {}
+    explicit SurfaceHit(const SurfaceGeometry& geometry)
+        : SurfaceGeometry(geometry), interpolated(ns), is_flat_(ns == ng || ns == -ng) {}
 
     const Bsdf* bsdf = nullptr;
     const AreaLight* emitter = nullptr;  ///< null: not a light
@@ -37,7 +38,7 @@ struct SurfaceHit : SurfaceGeometry {
         return emitter && ng.dot(wo) > 0.f ? emitter->radiance_at(texture_point()) : Color(Color::Zero());
     }
     /// Whether the file's shading normal is the geometric one, from either side.
-    bool is_flat() const { return interpolated == ng || interpolated == -ng; }
+    bool is_flat() const { return is_flat_; }
     /// Whether w is on the same side of the surface by the shading normal as by the geometric one. The two normals
     /// may point to opposite sides, as in meshes whose triangles are wound the other way: this is no disagreement.
     bool normals_agree_about(const Vec3& w) const { return agree_about(ns, w); }
@@ -54,7 +55,9 @@ struct SurfaceHit : SurfaceGeometry {
     }
 
 private:
-    bool agree_about(const Vec3& n, const Vec3& w) const { return n.dot(w) * ng.dot(w) * n.dot(ng) >= 0.f; }
+    bool agree_about(const Vec3& n, const Vec3& w) const { return is_flat_ || n.dot(w) * ng.dot(w) * n.dot(ng) >= 0.f; }
+
+    bool is_flat_;
 };
 
 inline constexpr std::uint32_t no_medium = ~0u;
@@ -128,7 +131,10 @@ public:
 
     std::optional<SurfaceHit> intersect(const Ray& ray) const { return surface_hit(ray, accelerator_->intersect(ray)); }
     /// The surface where the accelerator found `intersection` on the ray.
-    std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const;
+    std::optional<SurfaceHit> surface_hit(const Ray& ray, const std::optional<Intersection>& intersection) const {
+        if (!intersection) return std::nullopt;
+        return surface_on(ray, *intersection);
+    }
     /// Starts to fetch the data that surface_hit() will read, for callers that have other work in between.
     void prefetch(const std::optional<Intersection>& intersection) const {
         if (!intersection) return;
@@ -145,7 +151,11 @@ public:
     const LightTree& light_tree() const { return light_tree_; }
     /// Chooses a light by what it can do at a point (light_tree.h) and samples a point on it; empty if this cannot be
     /// seen from there.
-    std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const;
+    std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
+        const auto choice = light_tree_.choose(at, u_choice);
+        if (!choice) return std::nullopt;
+        return sample_chosen(*choice, at, u);
+    }
     /// Density [1/sr] with which sample_light for `at` finds `hit`, which lies on an emitter.
     float light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const;
     /// The light that rays see when they leave the scene; null: none.
@@ -177,13 +187,17 @@ private:
     struct Surface {
         std::uint32_t material;
         std::uint32_t light;
+        bool uses_uv;  ///< the material or the emission depends on uv
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
+    // Large results are made in place, by functions that return nothing else: a copy waits for all its parts.
+    std::optional<LightSample> sample_chosen(const LightTree::Choice& choice, const LitPoint& at, const Vec2& u) const;
+    std::optional<SurfaceHit> surface_on(const Ray& ray, const Intersection& i) const;
     void resolve_material(const Material& material, SurfaceHit& hit) const;
     MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
-    SurfaceGeometry geometry_on_instance(const Intersection& i, const Ray& ray) const;
+    SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray, bool with_uv) const;
 
     std::vector<Shape> shapes_;
     std::vector<Surface> surfaces_;  ///< parallel to shapes_

@@ -361,19 +361,20 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
 
 Accelerator::~Accelerator() = default;
 
-std::optional<Intersection> Accelerator::intersect(const Ray& ray) const {
+void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
     RTCRayHit rayhit;
     set_ray(rayhit.ray, ray, state_->scale);
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
-    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
+    found.reset();
+    if (hit.geomID != RTC_INVALID_GEOMETRY_ID)
+        found = intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
 }
 
 void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const {
     if (!state_->packets) {
         for (std::size_t i = 0; i < rays.size(); ++i)
-            found[i] = intersect(rays[i]);
+            intersect(rays[i], found[i]);
         return;
     }
     alignas(32) std::array<int, packet_size> valid;

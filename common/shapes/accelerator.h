@@ -34,7 +34,13 @@ public:
     Accelerator& operator=(const Accelerator&) = delete;
 
     /// The closest hit between t_min and t_max; empty if there is none.
-    std::optional<Intersection> intersect(const Ray& ray) const;
+    std::optional<Intersection> intersect(const Ray& ray) const {
+        std::optional<Intersection> found;
+        intersect(ray, found);
+        return found;
+    }
+    /// Writes it to `found`. A copy would be read as whole registers, which waits until the single numbers are stored.
+    void intersect(const Ray& ray, std::optional<Intersection>& found) const;
     /// The largest number of rays that are traced at once.
     static constexpr std::size_t packet_size = 8;
     /// Traces 1 to packet_size rays; found[i] is what intersect(rays[i]) returns, up to rounding in t, u and v. This

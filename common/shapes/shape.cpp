@@ -75,6 +75,8 @@ float turns(float x, float y) {
     return (phi < 0.f ? phi + 2.f * pi : phi) / (2.f * pi);
 }
 
+const Vec2 no_uv = Vec2::Zero();
+
 /// Longitude and angle from the north pole in the sphere's own axes, each as a fraction of its range. An arc cosine
 /// would lose half of the digits near a pole.
 Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
@@ -84,14 +86,15 @@ Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
 
 /// Projects `p_ray` onto the cylinder. It does so in double, because the axis may be many times longer
 /// than the radius.
-SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray) {
+SurfaceGeometry surface_of_cylinder(const Cylinder& cylinder, const Vec3& p_ray, bool with_uv) {
     const Vec3d axis = cylinder.axis.cast<double>(), d = p_ray.cast<double>() - cylinder.base.cast<double>();
     const double v = d.dot(axis) / axis.squaredNorm();
     const Vec3d across = d - v * axis;
     const double length = across.norm();
     const Vec3 n = length > 0 ? Vec3((across / length).cast<float>()) : cylinder.s;
-    const SurfacePoint s = point_on_cylinder(cylinder, n, std::clamp(static_cast<float>(v), 0.f, 1.f));
-    return {s, s.ng, Vec2(turns(n.dot(cylinder.s), n.dot(cylinder.t)), std::clamp(static_cast<float>(v), 0.f, 1.f))};
+    const float height = std::clamp(static_cast<float>(v), 0.f, 1.f);
+    const SurfacePoint s = point_on_cylinder(cylinder, n, height);
+    return {s, s.ng, with_uv ? Vec2(turns(n.dot(cylinder.s), n.dot(cylinder.t)), height) : no_uv};
 }
 
 struct Roots {
@@ -239,20 +242,20 @@ bool has_smooth_normals(const Shape& shape) {
     return mesh && !mesh->normals.empty();
 }
 
-SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray) {
+SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
         const Vec3 from_center = p_ray - sphere->center;
         // p_ray may be the centre if the sphere is smaller than an ulp of its coordinates; any direction serves then.
         const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
         const SurfacePoint s = point_on_sphere(*sphere, direction);
-        return {s, s.ng, sphere_uv(*sphere, direction)};
+        return {s, s.ng, with_uv ? sphere_uv(*sphere, direction) : no_uv};
     }
-    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray);
+    if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray, with_uv);
     const auto& disk = std::get<Disk>(shape);
     const Vec3 d = p_ray - disk.center;
     const float a = d.dot(disk.du) / disk.du.squaredNorm(), b = d.dot(disk.dv) / disk.dv.squaredNorm();
     const SurfacePoint s = point_on_disk(disk, a, b);
-    return {s, s.ng, Vec2(std::sqrt(a * a + b * b), turns(a, b))};
+    return {s, s.ng, with_uv ? Vec2(std::sqrt(a * a + b * b), turns(a, b)) : no_uv};
 }
 
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {

@@ -109,10 +109,12 @@ struct SurfaceDerivatives {
 };
 
 /// The surface at a hit. On a mesh, it is the point of triangle `primitive` with barycentric weights (u, v) of the
-/// second and third vertex. Any other shape projects `p_ray`, the point computed from the ray, back onto itself.
-SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray);
+/// second and third vertex. Any other shape projects `p_ray`, the point computed from the ray, back onto itself, and
+/// has uv only `with_uv`, which takes it two arc tangents.
+SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray,
+                           bool with_uv = true);
 /// surface_at() for a shape that is not a mesh.
-SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray);
+SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv = true);
 
 /// The derivatives at the point `at` of a shape. If uv do not determine them (a triangle without uv, or with all of
 /// them on a line), they are an orthonormal basis of the tangent plane, as in Mitsuba. At a pole of a sphere and in
@@ -181,9 +183,10 @@ inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const
     return s;
 }
 
-inline SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray) {
+inline SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray,
+                                  bool with_uv) {
     const auto* mesh = std::get_if<Mesh>(&shape);
-    return mesh ? mesh->surface_at(primitive, u, v) : surface_at_analytic(shape, p_ray);
+    return mesh ? mesh->surface_at(primitive, u, v) : surface_at_analytic(shape, p_ray, with_uv);
 }
 
 inline SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {

@@ -16,11 +16,13 @@ template <typename Visibility>
     const Vec3 wi_local = hit.shading.to_local(light.wi);
     const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
     if (is_black(f.of(which) * light.Le)) return {};
-    const Color visible = visibility(light);
-    if (is_black(visible)) return {};
     const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
     const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
-    const Color incident = light.Le * (visible * (std::abs(wi_local.z()) * weight / light.pdf_w));
+    // The processor divides while the shadow ray is traced.
+    const float per_radiance = std::abs(wi_local.z()) * weight / light.pdf_w;
+    const Color visible = visibility(light);
+    if (is_black(visible)) return {};
+    const Color incident = light.Le * (visible * per_radiance);
     return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
             includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
 }

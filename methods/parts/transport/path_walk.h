@@ -100,6 +100,7 @@ public:
             go_straight_on(hit);
             return true;
         }
+        if (!scene().has_holes()) return false;
         const Color straight = hit.straight_on(ray.ray.d);
         const float q = straight.maxCoeff();
         if (!(q > 0.f)) return false;
@@ -160,7 +161,7 @@ public:
     /// Adds the hit as a vertex and traces the next edge.
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
-        at.previous_side = hit.lit_for(wo()).side.cast<float>();
+        at.previous_side = hit.lit_for(wo()).side;
         ++at.vertex;
         ray.hides_emitters = false;
         trace_from(hit, wi);

@@ -48,7 +48,7 @@ public:
     /// trace() and surface_hit() are the two steps of intersect(): the first sets `traced.found`.
     void trace(TracedRay& traced) {
         note(traced.ray, false);
-        traced.found = scene_.accelerator().intersect(traced.ray);
+        scene_.accelerator().intersect(traced.ray, traced.found);
     }
     std::optional<SurfaceHit> surface_hit(const TracedRay& traced) const {
         return scene_.surface_hit(traced.ray, traced.found);
@@ -65,8 +65,10 @@ public:
     /// beyond that surface: they are shortened accordingly.
     void trace_from_camera(std::span<Ray> rays, std::span<std::optional<Intersection>> found) {
         trace(rays, found);
+        // A hit farther away than this is not under the camera, however small its angle with the ray.
+        const float farthest = 1e-3f * scene_.diagonal();
         for (std::size_t i = 0; i < rays.size(); ++i)
-            pass_own_surfaces(rays[i], found[i]);
+            if (found[i] && found[i]->t <= farthest) pass_own_surfaces(rays[i], found[i], farthest);
     }
     /// Whether some ray of the camera starts on a surface, by a sample of its rays.
     bool camera_lies_on_surface() {
@@ -191,9 +193,7 @@ private:
     }
 
     /// Moves the start of a camera's ray beyond the surfaces that the camera lies on, one after the other.
-    void pass_own_surfaces(Ray& ray, std::optional<Intersection>& found) {
-        // A hit farther away than this is not under the camera, however small its angle with the ray.
-        const float farthest = 1e-3f * scene_.diagonal();
+    void pass_own_surfaces(Ray& ray, std::optional<Intersection>& found, float farthest) {
         const Vec3 camera = ray.o;
         while (found && found->t <= farthest) {
             const auto hit = scene_.surface_hit(ray, found);
@@ -236,7 +236,8 @@ private:
 
     void note(const Ray& ray, bool shadow) {
         ++count_;
-        if (log_) log_->entries.push_back({ray, shadow});
+        if (log_) [[unlikely]]
+            log_->entries.push_back({ray, shadow});
     }
 
     const Scene& scene_;

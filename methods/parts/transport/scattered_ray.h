@@ -49,13 +49,16 @@ inline bool is_about_interpolated(const SurfaceHit& hit, const Vec3& w) {
 
 namespace detail {
 
-inline ScatteredRay scattered_ray(const Frame& frame, const BsdfSample& sample, float probability) {
-    return {.wi = frame.to_world(sample.wi),
-            .weight = sample.f * (std::abs(sample.wi.z()) / probability),
-            .pdf_w = sample.pdf_w,
-            .delta = sample.delta,
-            .lobe = sample.lobe,
-            .eta = sample.eta};
+/// Made in place, member by member: the copy of a whole ray would wait until its members are stored.
+inline std::optional<ScatteredRay> scattered_ray(const Frame& frame, const BsdfSample& sample, float probability) {
+    std::optional<ScatteredRay> ray(std::in_place);
+    ray->wi = frame.to_world(sample.wi);
+    ray->weight = sample.f * (std::abs(sample.wi.z()) / probability);
+    ray->pdf_w = sample.pdf_w;
+    ray->delta = sample.delta;
+    ray->lobe = sample.lobe;
+    ray->eta = sample.eta;
+    return ray;
 }
 
 /// The frame around the geometric normal, on the side of the interpolated one.
@@ -89,12 +92,12 @@ inline std::optional<ScatteredRay> sample_about(const SurfaceHit& hit, const Vec
     const Vec3 from = other ? frame.to_local(hit.shading.to_world(wo_local)) : wo_local;
     const auto sample = hit.bsdf->sample_local(from, u_lobe, u, transport, which);
     if (!sample || (normal.geometric && (!sample->delta || hit.bsdf->is_tilted()))) return std::nullopt;
-    ScatteredRay ray = scattered_ray(frame, *sample, sample->pdf_w * normal.probability);
+    auto ray = scattered_ray(frame, *sample, sample->pdf_w * normal.probability);
     if (transport == Transport::radiance || normal.geometric) return ray;
     const Vec3 wo = hit.shading.to_world(wo_local);
-    const float denominator = std::abs(ray.wi.dot(frame.n) * wo.dot(hit.ng));
+    const float denominator = std::abs(ray->wi.dot(frame.n) * wo.dot(hit.ng));
     if (!(denominator > 0.f)) return std::nullopt;
-    ray.weight *= std::abs(ray.wi.dot(hit.ng) * wo.dot(frame.n)) / denominator;
+    ray->weight *= std::abs(ray->wi.dot(hit.ng) * wo.dot(frame.n)) / denominator;
     return ray;
 }
 
@@ -132,7 +135,8 @@ inline std::optional<ScatteredRay> sample_scattering(const SurfaceHit& hit, cons
                                                      const Vec2& u, Transport transport, Lobes which = Lobes::all) {
     if (hit.is_flat()) {
         const auto sample = hit.bsdf->sample_local(wo_local, u_lobe, u, transport, which);
-        return sample ? std::optional(detail::scattered_ray(hit.shading, *sample, sample->pdf_w)) : std::nullopt;
+        if (!sample) return std::nullopt;
+        return detail::scattered_ray(hit.shading, *sample, sample->pdf_w);
     }
     return transport == Transport::radiance ? detail::sample_radiance(hit, wo_local, u_lobe, u, which)
                                             : detail::sample_power(hit, wo_local, u_lobe, u, which);
@@ -146,7 +150,7 @@ inline std::optional<std::array<ScatteredRay, 2>> both_ways(const SurfaceHit& hi
     const Frame frame = other ? detail::geometric_frame(hit) : hit.shading;
     const auto lobes = hit.bsdf->delta_pair_local(other ? frame.to_local(wo) : wo_local, Transport::radiance);
     if (!lobes) return std::nullopt;
-    return std::array{detail::scattered_ray(frame, (*lobes)[0], 1.f), detail::scattered_ray(frame, (*lobes)[1], 1.f)};
+    return std::array{*detail::scattered_ray(frame, (*lobes)[0], 1.f), *detail::scattered_ray(frame, (*lobes)[1], 1.f)};
 }
 
 }  // namespace gib

@@ -43,7 +43,7 @@ PixelSample trace_path(RayQueries& rays, const TracedRay& eye, const Sampler& sa
             continue;
         }
         auto hit = walk.surface_hit();
-        sample[path.path_class.component()] += walk.emitted(hit);
+        if (!hit || hit->emitter) sample[path.path_class.component()] += walk.emitted(hit);
         if (!hit) break;
         if (walk.passes_through(*hit)) continue;
         if (is_last) break;

@@ -62,7 +62,8 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.lit(), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
-    const LobeValues scattered = scattered_to_camera(eye, light->wi);
+    const Vec3 wi_local = eye.to_local(light->wi);
+    const LobeValues scattered = scattered_to_camera(eye, light->wi, wi_local);
     if (is_black(scattered.sum())) return std::nullopt;
     const Segment way{eye.origin(light->wi), light->target, light->wi, light->distance};
     const Color visible = transmitted(rays, way, eye.medium_towards(scene, light->wi), flights);
@@ -71,7 +72,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     Connection path;
     add_classes(path.light, scattered, eye.beta * light->Le * visible / light->pdf_w,
                 [&](LobeKind kind) { return eye.ending_with(kind); });
-    const DirectionPdfs pdf = direction_pdfs(eye, eye.from, light->wi);
+    const DirectionPdfs pdf = direction_pdfs(eye, eye.from_local, wi_local);
     const bool is_point = light->delta && std::isfinite(light->distance);
     const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
     const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
@@ -91,15 +92,15 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const Vec3 between = light.p - eye.p;
     const double distance2 = double{between.squaredNorm()};
     if (!(distance2 > 0)) return std::nullopt;
-    const Vec3 w = between.normalized();
-    const LobeValues at_eye = scattered_to_camera(eye, w);
+    const Vec3 w = between.normalized(), w_eye = eye.to_local(w), w_light = light.to_local(-w);
+    const LobeValues at_eye = scattered_to_camera(eye, w, w_eye);
     if (is_black(at_eye.sum())) return std::nullopt;
-    const LobeValues at_light = scattered_from_light(light, -w);
-    if (is_black(at_light.sum())) return std::nullopt;
+    const LobeValues at_light = scattered_from_light(light, -w, w_light);
+    if (is_black(at_light.sum()) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
     const Vec3 origin = eye.origin(w);
     const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
-    if (is_black(visible) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
+    if (is_black(visible)) return std::nullopt;
 
     const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
     Connection path;
@@ -107,11 +108,13 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
                        static_cast<float>(paths.power * to_light);
     for (const LobeKind kind : lobe_kinds) {
         const Color& f = of(at_eye, kind);
+        if (is_black(f)) continue;
         const PathClass first = eye.ending_with(kind);
         add_classes(path.light, {f * at_light.diffuse, f * at_light.specular}, rest,
                     [&](LobeKind last) { return first.followed_by(light.beginning_with(last)); });
     }
-    const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from, w), light_pdf = direction_pdfs(light, -w, light.from);
+    const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from_local, w_eye),
+                        light_pdf = direction_pdfs(light, w_light, light.from_local);
     const bool focuses = light.sums.merging().focuses();
     const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
@@ -127,7 +130,8 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     const auto seen = view_of(sensor, light.p, u);
     if (!seen) return std::nullopt;
     const Ray& ray = seen->view.ray;
-    const LobeValues scattered = scattered_from_light(light, -ray.d);
+    const Vec3 to_camera = light.to_local(-ray.d);
+    const LobeValues scattered = scattered_from_light(light, -ray.d, to_camera);
     if (is_black(scattered.sum())) return std::nullopt;
     film.prefetch(seen->pixel, light.beginning_with(LobeKind::diffuse).component());
     const Color visible = rays.transmittance_to_camera(ray, light.target(ray.o), paths.camera_on_surface, flights);
@@ -142,7 +146,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
     const double others =
-        squared(step) * light.sums.earlier(direction_pdfs(light, -ray.d, light.from).to_light);  // (46)
+        squared(step) * light.sums.earlier(direction_pdfs(light, to_camera, light.from_local).to_light);  // (46)
     splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }

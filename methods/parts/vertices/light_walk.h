@@ -99,7 +99,7 @@ private:
     void arrive(const LitPoint& at, double cosine, double n, bool focuses) {
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
-        const double distance2 = double{(at.p.cast<float>() - path.previous).squaredNorm()};
+        const double distance2 = double{(at.p - path.previous).squaredNorm()};
         if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.used.connections, n, focuses);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};

@@ -61,6 +61,8 @@ struct PathVertex {
         path.in_medium = true;
         return path;
     }
+    /// w in the shading frame of the hit; in a medium as it is.
+    Vec3 to_local(const Vec3& w) const { return hit ? hit->shading.to_local(w) : w; }
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
     /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
@@ -89,12 +91,11 @@ struct PathVertex {
 
 /// The scattering at a vertex of the camera's walk of light from direction w: f |cos| of the shading normal by kind of
 /// lobe [1/sr], to be multiplied by radiance. In a medium it is the phase function, as `diffuse`, because the kind is of
-/// no account there.
-inline LobeValues scattered_to_camera(const PathVertex& at, const Vec3& w) {
+/// no account there. `w_local` is at.to_local(w).
+inline LobeValues scattered_to_camera(const PathVertex& at, const Vec3& w, const Vec3& w_local) {
     if (!at.hit) return {.diffuse = Color::Constant(at.medium->phase().value(at.from, w))};
     const SurfaceHit& hit = *at.hit;
     if (!hit.normals_agree_about(w)) return {};
-    const Vec3 w_local = hit.shading.to_local(w);
     const LobeValues f = hit.bsdf->f_local(at.from_local, w_local, Transport::radiance);
     const float cosine = std::abs(w_local.z());
     return {f.diffuse * cosine, f.specular * cosine};
@@ -103,26 +104,26 @@ inline LobeValues scattered_to_camera(const PathVertex& at, const Vec3& w) {
 /// The same at a vertex of a light's walk, of its light into direction w. The power that has arrived is a flux through
 /// the geometric surface, so the factor is f |cos| of the shading normal over |cos| of the geometric one, both of the
 /// light's direction (Veach 1997, section 5.3).
-inline LobeValues scattered_from_light(const PathVertex& at, const Vec3& w) {
-    if (!at.hit) return scattered_to_camera(at, w);
+inline LobeValues scattered_from_light(const PathVertex& at, const Vec3& w, const Vec3& w_local) {
+    if (!at.hit) return scattered_to_camera(at, w, w_local);
     const SurfaceHit& hit = *at.hit;
     const float arriving = std::abs(at.from.dot(hit.ng));
     if (!hit.normals_agree_about(w) || !(arriving > 0.f)) return {};
-    const LobeValues f = hit.bsdf->f_local(hit.shading.to_local(w), at.from_local, Transport::radiance);
+    const LobeValues f = hit.bsdf->f_local(w_local, at.from_local, Transport::radiance);
     const float factor = std::abs(at.from_local.z()) / arriving;
     return {f.diffuse * factor, f.specular * factor};
 }
 
-/// The densities of both walks at a vertex whose neighbours on the path lie in these directions.
+/// The densities of both walks at a vertex whose neighbours on the path lie in these directions, given as by
+/// PathVertex::to_local().
 inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera, const Vec3& to_light) {
     if (!at.hit) {
         const double phase{at.medium->phase().value(to_camera, to_light)};
         return {phase, phase};
     }
-    const SurfaceHit& hit = *at.hit;
-    const Vec3 camera_local = hit.shading.to_local(to_camera), light_local = hit.shading.to_local(to_light);
-    return {double{hit.bsdf->pdf_w_local(camera_local, light_local, Lobes::all, Transport::radiance)},
-            double{hit.bsdf->pdf_w_local(light_local, camera_local, Lobes::all, Transport::power)}};
+    const Bsdf& bsdf = *at.hit->bsdf;
+    return {double{bsdf.pdf_w_local(to_camera, to_light, Lobes::all, Transport::radiance)},
+            double{bsdf.pdf_w_local(to_light, to_camera, Lobes::all, Transport::power)}};
 }
 
 /// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
