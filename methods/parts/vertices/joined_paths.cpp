@@ -45,7 +45,7 @@ public:
                 add(0, light.edges + 1, path);
             },
             [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-                if (pass_.merged) pass_.merged->merge(vertex, pass_.rules, sample);
+                if (pass_.merged) pass_.merged->merge(vertex, pass_.rules, rays, flights, sample);
                 if (used_.only_merging()) return;
                 if (used_.light_sampling)
                     add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));

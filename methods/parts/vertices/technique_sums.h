@@ -48,7 +48,7 @@ struct Techniques {
 struct PathRules {
     int max_edges;  ///< edges of the longest path
     Techniques used = {};
-    MergeDensities merging = {};
+    MergeRadii merging = {};
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
     bool have_others() const { return used.hits || used.light_sampling || used.connections || merging.any(); }
