@@ -1,6 +1,6 @@
 #pragma once
-// Point and spot lights so close to a surface that much of their light leaves from a spot which paths from the camera hardly
-// ever meet.
+// Point and spot lights so close to a surface that much of their light leaves from a spot which paths from the camera
+// hardly ever meet.
 //
 // A point light at the height h over a plane sends half of its power there, most of it into a disc of a few h. From there the
 // light goes on into the whole scene. A path from the camera finds it by a vertex in that disc, whose share of what the path

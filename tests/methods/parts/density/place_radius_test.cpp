@@ -32,7 +32,7 @@ TEST(PlaceRadius, OfASquareIsItsSizeAlsoAtItsEdges) {
     for (const double a : {0.5, 0.06, 0.003}) {
         const LoadedScene scene = scene_of_shapes(white("rectangle", scale(a)));
         const auto side = static_cast<float>(a);
-        for (const Vec2 at : {Vec2(0, 0), Vec2(0.3f, -0.4f), Vec2(0.999f, 0), Vec2(0, -0.999f)}) {
+        for (const Vec2& at : {Vec2(0, 0), Vec2(0.3f, -0.4f), Vec2(0.999f, 0), Vec2(0, -0.999f)}) {
             const float r = radius_at(scene, down_at(side * at.x(), side * at.y()));
             EXPECT_LE(double{r}, 2 * std::sqrt(2.) * a) << a << at.transpose();
             EXPECT_GT(double{r}, 0.4999 * a) << a << at.transpose();
