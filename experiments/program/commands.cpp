@@ -14,6 +14,7 @@
 #include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
+#include "methods/path/lit_spots.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -47,8 +48,8 @@ void print_plan_lines(const Plan& plan, std::ostream& out) {
 }
 
 /// Warns of the effects of the scene that the method does not simulate, and of the components of which it leaves out
-/// paths.
-void warn_of_left_out(const Plan& plan, const MethodLabel& label, ProgressLine& progress) {
+/// paths or hardly ever finds them.
+void warn_of_left_out(const Scene& scene, const Plan& plan, const MethodLabel& label, ProgressLine& progress) {
     std::vector<std::string_view> effects;
     for (Effect e : plan.missing.list())
         effects.push_back(name_of(e));
@@ -57,6 +58,7 @@ void warn_of_left_out(const Plan& plan, const MethodLabel& label, ProgressLine& 
                                      label.text(), fmt::join(effects, ", ")));
     if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
         progress.message("warning: " + incomplete);
+    if (const auto light = seldom_found_light(scene, label); !light.empty()) progress.message("warning: " + light);
 }
 
 void warn_of(const std::vector<std::string>& warnings) {
@@ -118,7 +120,7 @@ int render(const RenderOptions& options, std::ostream& out) {
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
-    warn_of_left_out(method->plan(*loaded.scene), chosen.label, progress);
+    warn_of_left_out(*loaded.scene, method->plan(*loaded.scene), chosen.label, progress);
     const auto keep = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
     const auto show = [&](const OngoingWork& ongoing) {
         const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
@@ -160,6 +162,8 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const LoadedScene loaded = loaded_with_warnings(options.scene, options.loading);
     const InterruptGuard guard;
     ProgressLine progress;
+    if (const auto light = seldom_found_light(*loaded.scene, label); !light.empty())
+        progress.message("warning: " + light);
     FinishedReference finished;
     const ReferenceWork work{.scene = loaded,
                              .methods = methods,
@@ -196,6 +200,8 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
     for (const auto& one : chosen) {
         if (method.empty()) out << "method: " << one.label.name << "\n";
         print_plan_lines(one.create({loaded.max_edges})->plan(*loaded.scene), out);
+        if (const auto light = seldom_found_light(*loaded.scene, one.label); !light.empty())
+            out << "warning: " << light << "\n";
     }
     return 0;
 }

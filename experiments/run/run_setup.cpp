@@ -7,6 +7,7 @@
 #include "experiments/system/build_info.h"
 #include "experiments/system/progress.h"
 #include "methods/method.h"
+#include "methods/path/lit_spots.h"
 
 #include <fmt/format.h>
 
@@ -38,6 +39,8 @@ void plan_methods(RunSetup& setup, const LoadedScene& scene, ProgressLine& progr
         setup.components_missing[{scene.name, label.text()}] = names_of(plan.unresolved);
         if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
             progress.message(fmt::format("warning: {}: {}", scene.name, incomplete));
+        if (const auto light = seldom_found_light(*scene.scene, label); !light.empty())
+            progress.message(fmt::format("warning: {}: {}", scene.name, light));
     }
 }
 

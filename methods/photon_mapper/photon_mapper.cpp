@@ -106,7 +106,7 @@ public:
                                     .max_radius = length(radius),
                                     .area = settings.area,
                                     .compensation = settings.compensation,
-                                    .flat_regions = flat_regions_ ? &*flat_regions_ : nullptr};
+                                    .by_place = {.flat = flat_regions_ ? &*flat_regions_ : nullptr}};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
         maps_.caustic_estimator = estimator(settings.caustic_k, settings.caustic_radius);

@@ -6,8 +6,8 @@
 // light and light in media come from the density of photons. All photons within the radius of the pass count, and the
 // radius shrinks by the law of parts/density/shrinking_radius.h.
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
-// volume_radius [of the first pass, fractions of the scene's diagonal, or auto], kernel, area, projection; spp and
-// max_depth as for all methods.
+// volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
+// kernel, area, projection; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
@@ -56,8 +56,7 @@ public:
         if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
             find_first_radii();
-            if (settings_.maps.area == DiscArea::surface)
-                flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
+            flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
         trace_maps(combine_keys(seed_, pass));
         set_radii(settings_.first_pass + pass);
@@ -140,16 +139,16 @@ private:
     /// Sets the estimators of the present pass.
     void set_radii(std::uint64_t passes_before) {
         const PhotonMapSettings& s = settings_.maps;
-        const auto on_surfaces = [&](double first) {
+        const auto on_surfaces = [&](double given, double first) {
             return DensityEstimator{.kernel = s.kernel,
                                     .k = all_photons,
                                     .max_radius = static_cast<float>(first * shrinking_.on_surfaces(passes_before)),
                                     .area = s.area,
                                     .estimates_bias = true,
-                                    .flat_regions = flat_regions_ ? &*flat_regions_ : nullptr};
+                                    .by_place = {given > 0 ? 0.f : static_cast<float>(first), &*flat_regions_}};
         };
-        maps_.caustic_estimator = on_surfaces(first_.caustic);
-        maps_.global_estimator = on_surfaces(first_.global);
+        maps_.caustic_estimator = on_surfaces(s.caustic_radius, first_.caustic);
+        maps_.global_estimator = on_surfaces(s.radius, first_.global);
         maps_.volume_estimator = {.kernel = s.kernel,
                                   .k = all_photons,
                                   .max_radius = static_cast<float>(first_.volume * shrinking_.in_media(passes_before)),

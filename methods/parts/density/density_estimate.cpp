@@ -144,12 +144,7 @@ private:
         if (last_) *last_ = {hit_.p, neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity};
     }
 
-    /// Whether nothing but the surface's plane lies as far from the centre as the rays of disc_ for this radius reach.
-    bool is_flat_within(float r) {
-        constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
-        flat_ = e_.flat_regions && e_.flat_regions->flat_around(hit_, reach * r);
-        return flat_;
-    }
+    bool is_flat_within(float r) { return flat_ = e_.by_place.is_flat_within(hit_, r); }
 
     const DensityEstimator& e_;
     const PhotonMap& map_;
@@ -346,7 +341,8 @@ Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries&
     PhotonSearch search(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), last);
     const ReflectedPower f_phi(hit, wo, eye, map.unit());
     const Estimate estimate(*this, search, f_phi);
-    Reflected light = k == all_photons ? estimate.from_all_within(max_radius) : estimate.from_nearest();
+    Reflected light = k == all_photons ? estimate.from_all_within(max_radius * by_place.share(rays, hit, wo))
+                                       : estimate.from_nearest();
     light.near_obstacle = search.near_obstacle();
     return light;
 }

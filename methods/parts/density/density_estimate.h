@@ -27,8 +27,8 @@
 //    at 45 degrees (tested).
 
 #include "common/sampling/sampler.h"
-#include "methods/parts/density/flat_regions.h"
 #include "methods/parts/density/kernel.h"
+#include "methods/parts/density/place_radius.h"
 #include "methods/parts/photons/photon_join.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/transport/ray_queries.h"
@@ -81,8 +81,7 @@ struct DensityEstimator {
     /// not with all_photons.
     bool compensation = false;
     bool estimates_bias = false;  ///< only with all_photons
-    /// Tells where no rays are needed that look for obstacles; null: they are always traced.
-    const FlatRegions* flat_regions = nullptr;
+    PlaceRadius by_place = {};    ///< bounds the radius by place, as a share of `max_radius`, with all_photons only
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc. `last` may be null.

@@ -14,16 +14,16 @@ constexpr float rising_slope = 0.02f;
 /// of the radius miss less than 2.5 % of the disc's area.
 constexpr float rim = 0.95f;
 
-/// Whether a probe has hit a diffuse surface whose normal agrees with `normal`.
-bool is_surface(const SurfaceHit& found, const Vec3& normal) {
-    return normal_towards(found, normal).dot(normal) > min_normal_cosine &&
-           found.bsdf->traits_at(found.ns.dot(normal)).diffuse;
-}
-
 /// end / r, at most 1; defined for r = 0, too.
 float part_of_radius(float end, float r) { return end < r ? end / r : 1.f; }
 
 }  // namespace
+
+bool belongs_to(const SurfaceHit& found, const SurfaceHit& centre, const Vec3& normal) {
+    if (!(normal_towards(found, normal).dot(normal) > min_normal_cosine)) return false;
+    const LobeTraits& lobes = found.bsdf->traits_at(found.ns.dot(normal));
+    return lobes.diffuse || (lobes.glossy && !centre.bsdf->traits_at(centre.ns.dot(normal)).diffuse);
+}
 
 SurfaceDisc::SurfaceDisc(const SurfaceHit& hit, const Vec3& normal, const Vec2& u)
     : hit_(hit), frame_(normal), origin_(offset_origin(hit, normal)), u_(u), rounding_(4.f * hit.offset) {}
@@ -127,7 +127,7 @@ Ray SurfaceDisc::probe(const Vec3& w, float distance) const {
 bool SurfaceDisc::is_covered(RayQueries& rays, const Vec3& w, float distance, float rise) const {
     if (distance >= rise) return true;  // found before: the surface rises above the disc here
     const auto found = rays.intersect(probe(w, distance));
-    return found && is_surface(*found, frame_.n);
+    return found && belongs_to(*found, hit_, frame_.n);
 }
 
 float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
@@ -148,7 +148,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
         const auto at = static_cast<std::size_t>(i * step);
         const auto found = rays.surface_hit({tested[static_cast<std::size_t>(i)], met[static_cast<std::size_t>(i)]});
         const bool risen = rim * std::min(end_of(at), r) >= rise_of(at);  // found before
-        ends = !risen && !(found && is_surface(*found, frame_.n));
+        ends = !risen && !(found && belongs_to(*found, hit_, frame_.n));
     }
     if (!ends) return 1.f;
 

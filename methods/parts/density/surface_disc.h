@@ -34,6 +34,10 @@ namespace gib {
 inline constexpr float min_normal_cosine = 0.5f;
 inline constexpr float max_elevation_slope = 0.5f;
 
+/// Whether light at a point that a probe has found counts at `centre`, whose normal is `normal`: the surface there faces the
+/// same way and has lobes of the centre's kind.
+bool belongs_to(const SurfaceHit& found, const SurfaceHit& centre, const Vec3& normal);
+
 class SurfaceDisc {
 public:
     /// The disc around `hit` on the side of `normal`. The random numbers `u` turn the rays and place the probes.

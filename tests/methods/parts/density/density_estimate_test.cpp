@@ -300,12 +300,14 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
 // among 8 probes is 12 % too large at the wall.
 TEST(VolumeEstimate, ReciprocalShareInSightIsThatOfTheBallBeforeAWall) {
     RayQueries rays(*large_plane().scene);
-    const VolumeEstimator estimator{Kernel::uniform, 50, 1.f, DiscArea::surface};
     for (const float d : {0.01f, 0.1f, 0.5f, 0.9f, 1.5f}) {
         Moments reciprocal;
-        for (std::uint64_t i = 0; i < 20000; ++i)
-            reciprocal.add(static_cast<double>(estimator.reciprocal_share_in_sight(
-                rays, Vec3(0, 0, d), 1.f, Sampler(PointSet::independent, 7, i, 0), 0)));
+        for (std::uint64_t i = 0; i < 20000; ++i) {
+            const Sampler sampler(PointSet::independent, 7, i, 0);
+            NumberStream u(sampler);
+            reciprocal.add(
+                static_cast<double>(reciprocal_share_in_sight(Kernel::uniform, rays, Vec3(0, 0, d), 1.f, u)));
+        }
         const double x = std::min(static_cast<double>(d), 1.0);
         const double share = 1 - (1 - x) * (1 - x) * (2 + x) / 4;
         EXPECT_NEAR(reciprocal.mean(), 1 / share, 5 * reciprocal.standard_error() + 1e-6) << d;

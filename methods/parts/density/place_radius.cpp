@@ -1,0 +1,44 @@
+#include "methods/parts/density/place_radius.h"
+
+#include "methods/parts/density/surface_disc.h"
+
+#include <array>
+
+namespace gib {
+
+namespace {
+
+constexpr int probes = Accelerator::packet_size, probes_that_hit = 3;
+constexpr float least_share = 0x1p-12f;
+
+/// Whether enough probes at this distance from the centre find its surface.
+bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float distance) {
+    std::array<Ray, probes> tested;
+    std::array<std::optional<Intersection>, probes> met;
+    for (int i = 0; i < probes; ++i) {
+        const float phi = 2.f * pi * static_cast<float>(i) / static_cast<float>(probes);
+        const Vec3 w = std::cos(phi) * frame.s + std::sin(phi) * frame.t;
+        tested[static_cast<std::size_t>(i)] = {.o = hit.p + distance * (w + max_elevation_slope * frame.n),
+                                               .d = -frame.n,
+                                               .t_max = 2.f * max_elevation_slope * distance};
+    }
+    rays.trace(tested, met);
+    int found = 0;
+    for (std::size_t i = 0; i < probes; ++i)
+        if (const auto there = rays.surface_hit({tested[i], met[i]})) found += belongs_to(*there, hit, frame.n) ? 1 : 0;
+    return found >= probes_that_hit;
+}
+
+}  // namespace
+
+float PlaceRadius::share(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo) const {
+    if (!(largest > 0.f) || is_flat_within(hit, largest)) return 1.f;
+    // Light passes through a surface that transmits, and both sides have the same radius.
+    const Frame frame(hit.bsdf->traits().transmission ? hit.ng : normal_towards(hit, wo));
+    float share = 1.f;
+    while (share > least_share && !reaches(rays, hit, frame, share * largest))
+        share *= 0.5f;
+    return share;
+}
+
+}  // namespace gib

@@ -1,0 +1,31 @@
+#pragma once
+// The radius of look-ups by place: that of the whole image, but no larger than what lies there.
+//
+// On a body smaller than the disc every radius finds the same photons. The estimate is then wrong by the ratio of two areas,
+// and its difference to the estimate from a smaller radius says nothing about this bias. So the radius is halved until the
+// surface reaches as far: probes at this distance in eight directions look for surface near the tangent plane whose normal
+// agrees (surface_disc.h), and three have to find some. At a straight edge four do, and the area of the disc is cut there
+// (SurfaceDisc::covered()). On a thin rod two do, along its axis; on a ball all do up to 0.8 of its radius.
+//
+// The radius depends on the place alone, without random numbers, so that all walks that meet there know the same one. The
+// weights of vertex connection and merging need that.
+
+#include "methods/parts/density/flat_regions.h"
+#include "methods/parts/transport/ray_queries.h"
+
+namespace gib {
+
+struct PlaceRadius {
+    float largest = 0.f;                ///< radius on large surfaces [scene units]; 0: no place bounds it
+    const FlatRegions* flat = nullptr;  ///< tells where no rays are needed; null: they are always traced
+
+    /// The radius at `hit` for light on the side of wo, as a share of the largest: 1, 1/2, 1/4, ... down to 2^-12.
+    float share(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo) const;
+    /// Whether there is nothing but the surface's plane as far from the centre as the rays for a disc of radius r reach.
+    bool is_flat_within(const SurfaceHit& hit, float r) const {
+        constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
+        return flat && flat->flat_around(hit, reach * r);
+    }
+};
+
+}  // namespace gib

@@ -1,0 +1,55 @@
+// The radius of look-ups by place: no larger than the body there, the same from both sides, and unbounded on large surfaces.
+#include "methods/parts/density/place_radius.h"
+
+#include "tests/methods/parts/density/density_fixtures.h"
+
+namespace gib::test::place_radius_test {
+namespace {
+
+/// The radius at what the ray meets, if that on large surfaces is 1.
+float radius_at(const LoadedScene& scene, const Ray& ray) {
+    RayQueries rays(*scene.scene);
+    const auto hit = scene.scene->intersect(ray);
+    return PlaceRadius{.largest = 1.f}.share(rays, *hit, -ray.d);
+}
+
+// The tangent plane of a sphere lies 0.5 d above it at the distance d = 0.8 R, where the elevation of 1 : 2 ends. Halving
+// stops between 0.4 R and 0.8 R.
+TEST(PlaceRadius, OfASphereIsItsSize) {
+    for (const double R : {2.0, 0.7, 0.2, 0.05, 0.004}) {
+        const std::string step = translate(0.3, 0.2, 0);
+        const LoadedScene scene = scene_of_shapes(shape("sphere", radius(R), to_world(step), diffuse(1.0)));
+        for (const float x : {0.f, 0.4f, 0.8f}) {
+            const float r = radius_at(scene, down_at(0.3f + x * static_cast<float>(R), 0.2f, 5.f));
+            EXPECT_LE(double{r}, std::min(1., 0.8001 * R)) << R << ' ' << x;
+            EXPECT_GT(double{r}, std::min(0.999, 0.3999 * R)) << R << ' ' << x;
+        }
+    }
+}
+
+// A square of side 2 a: the centre's disc may reach to the corners at most; on an edge half of the directions stay on it.
+TEST(PlaceRadius, OfASquareIsItsSizeAlsoAtItsEdges) {
+    for (const double a : {0.5, 0.06, 0.003}) {
+        const LoadedScene scene = scene_of_shapes(white("rectangle", scale(a)));
+        const auto side = static_cast<float>(a);
+        for (const Vec2& at : {Vec2(0, 0), Vec2(0.3f, -0.4f), Vec2(0.999f, 0), Vec2(0, -0.999f)}) {
+            const float r = radius_at(scene, down_at(side * at.x(), side * at.y()));
+            EXPECT_LE(double{r}, 2 * std::sqrt(2.) * a) << a << at.transpose();
+            EXPECT_GT(double{r}, 0.4999 * a) << a << at.transpose();
+        }
+    }
+    EXPECT_EQ(radius_at(scene_of_shapes(white("rectangle", scale(5))), down_at(4.999f, 0.3f)), 1.f);
+}
+
+// Along a rod no more than two of eight directions stay on it for long: another one is at least 22.5 degrees off, and leaves
+// the part whose normal agrees, 60 degrees to either side, after sin(60) / sin(22.5) of its radius.
+TEST(PlaceRadius, OfARodIsItsThickness) {
+    const LoadedScene scene = scene_of_shapes(shape("cylinder", test::point("p0", -3, 0, 0), test::point("p1", 3, 0, 0),
+                                                    radius(0.02), bsdf("twosided", diffuse(1.0))));
+    const float r = radius_at(scene, down_at(0.1f, 0.003f));
+    EXPECT_LE(r, 0.0453f);
+    EXPECT_GE(r, 0.004f);
+}
+
+}  // namespace
+}  // namespace gib::test::place_radius_test
