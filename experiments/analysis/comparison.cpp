@@ -34,8 +34,8 @@ std::vector<std::string> ties_with(const std::string& method, const std::vector<
     std::vector<std::string> ties;
     const auto own = std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
     for (const Contender& c : ranking)
-        if (c.method != method && c.is_complete && c.known == Contender::Known::equal && !c.values.empty() &&
-            !are_told_apart(own->values, c.values) && !are_told_apart(c.values, own->values))
+        if (c.method != method && c.is_complete && c.known == Contender::Known::equal && !c.logs.empty() &&
+            !are_told_apart(*own, c) && !are_told_apart(c, *own))
             ties.push_back(c.method);
     return ties;
 }

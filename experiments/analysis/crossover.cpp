@@ -139,9 +139,9 @@ private:
         Crossover& now = changes_.back();
         const Contender& own = of_method(ranking, now.method);
         for (const Contender& c : ranking) {
-            if (c.method == now.method || !c.is_complete || c.values.empty() || c.known != Contender::Known::equal)
+            if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
-            if (are_told_apart(own.values, c.values)) told_apart_.insert(c.method);
+            if (are_told_apart(own, c)) told_apart_.insert(c.method);
             const auto found = std::find(now.ties.begin(), now.ties.end(), c.method);
             if (told_apart_.count(c.method) == 0 && found == now.ties.end()) now.ties.push_back(c.method);
             if (told_apart_.count(c.method) > 0 && found != now.ties.end()) now.ties.erase(found);

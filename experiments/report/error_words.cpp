@@ -53,7 +53,7 @@ std::string error_kind(const TableRow& row) {
 std::string doubts(const std::vector<Contender>& ranking) {
     const Contender* best = best_of(ranking);
     if (!best) return "";
-    return doubts(those(ranking, Standing::tie), those(ranking, Standing::open), best->values.size() < 2);
+    return doubts(those(ranking, Standing::tie), those(ranking, Standing::open), best->logs.size() < 2);
 }
 
 std::string doubts(const std::vector<std::string>& ties, const std::vector<std::string>& open, bool one_seed) {

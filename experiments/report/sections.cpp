@@ -196,7 +196,7 @@ std::string others_text(const EqualTimeRow& row) {
         if (&c == &row.ranking.front()) continue;
         const std::string number = c.standing == Standing::no_image
                                        ? line_of(Field{State::no_image, c.first_image})
-                                       : short_number(std::sqrt(c.mean() / row.ranking.front().mean())) +
+                                       : short_number(std::sqrt(c.mean / row.ranking.front().mean)) +
                                              (c.standing == Standing::tie          ? " (tie)"
                                               : c.standing == Standing::incomplete ? " (not all light)"
                                                                                    : "");
@@ -216,12 +216,12 @@ Section equal_time_section(const Analysis& analysis) {
                      words("times as much")}};
     for (const EqualTimeRow& row : equal_time_rows(analysis)) {
         const Contender* best = best_of(row.ranking);
-        if (!best || !(best->mean() > row.noise_floor)) continue;
+        if (!best || !(best->mean > row.noise_floor)) continue;
         section.rows.push_back({.scene = row.scene,
                                 .entries = {{std::string(name_of(row.layer))},
                                             number(row.seconds),
                                             method_entry(best->method, best->method),
-                                            {measured(best->mean(), Unit::root)},
+                                            {measured(best->mean, Unit::root)},
                                             {doubts(row.ranking)},
                                             {others_text(row)}}});
     }
