@@ -13,12 +13,6 @@ namespace gib {
 
 namespace {
 
-/// A relative RMSE from a squared error; one in the reference's own noise is not resolved.
-Field error_field(double error2, double noise_floor) {
-    if (error2 > noise_floor) return measured(error2, Unit::root);
-    return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
-}
-
 /// The contests over the totals of the scenes in which a method can be best.
 std::vector<std::pair<std::string, Contest>> contests_of(const Analysis& analysis) {
     std::vector<std::pair<std::string, Contest>> contests;
@@ -122,7 +116,7 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
                                                   .least_passes = point.least_passes,
                                                   .most_passes = point.most_passes,
                                                   .seconds = point.seconds,
-                                                  .relative_rmse = error_field(error2, contest.noise_floor()),
+                                                  .relative_rmse = resolved({error2, {}}, contest.noise_floor()),
                                                   .ties = {},
                                                   .open = {},
                                                   .one_seed = point.relative.size() < 2});

@@ -124,9 +124,7 @@ private:
     }
 
     void add_change(Crossover change, const std::vector<Contender>& ranking) {
-        const double error2 = curve(change.method)(change.seconds), floor = contest_.noise_floor();
-        change.relative_rmse =
-            error2 > floor ? measured(error2, Unit::root) : Field{State::not_resolved, floor, std::nullopt, Unit::root};
+        change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
         for (const Contender& c : ranking)
             if (c.method != change.method)
                 if (c.standing == Standing::open) change.open.push_back(c.method);

@@ -18,9 +18,7 @@ std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
 
 Field relative_error_field(const TableRow& row) {
     if (!row.statistics) return {State::not_judged};
-    if (row.statistics->rel_mse_corrected <= row.noise_floor)
-        return {State::not_resolved, row.noise_floor, std::nullopt, Unit::root};
-    return measured(*corrected_rel_mse(row), Unit::root);
+    return resolved(*corrected_rel_mse(row), row.noise_floor);
 }
 
 Field bias2_field(const TableRow& row) {

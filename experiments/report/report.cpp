@@ -122,9 +122,9 @@ data cheapest_data(const std::string& scene, const Analysis& analysis) {
 }
 
 /// The images of a scene at equal time, which the report's script draws beside these words.
-data looks_data(const Analysis& analysis, const std::string& scene) {
+data looks_data(const Analysis& analysis, const SceneLook& look) {
     list looks;
-    for (const LookWords& words : look_words(analysis, scene))
+    for (const LookWords& words : look.methods)
         looks.push_back(object{{"method", words.look.method},
                                {"attribute", html_escape(words.look.method)},
                                {"color", color_of(analysis, words.look.method)},
@@ -132,23 +132,15 @@ data looks_data(const Analysis& analysis, const std::string& scene) {
                                {"passes", std::to_string(words.look.passes)},
                                {"error", line_of(words.error, words.error.is_measured() ? " %" : "")},
                                {"beside", optional_text(words.beside)},
-                               {"flip", words.look.error2 ? optional_text(line_of(words.flip)) : data(false)},
+                               {"flip", optional_text(line_of(words.flip))},
                                {"kind", optional_text(words.kind)},
                                {"missing", optional_text(words.missing)},
                                {"energy", optional_text(words.energy)},
                                {"shown", words.shown},
-                               {"late", !words.look.error2},
-                               {"tie", words.is_tie},
-                               {"best", words.is_best}});
+                               {"late", words.standing == Standing::no_image},
+                               {"tie", words.standing == Standing::tie},
+                               {"best", words.standing == Standing::best}});
     return looks;
-}
-
-/// The time after which the methods of a scene are compared [s].
-std::string look_seconds(const Analysis& analysis, const std::string& scene) {
-    double seconds = INFINITY;
-    for (const EqualTimeLook& look : analysis.looks)
-        if (look.scene == scene) seconds = std::min(seconds, look.seconds);
-    return short_number(seconds);
 }
 
 data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all, const Analysis& analysis) {
@@ -159,7 +151,8 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
         else if (section.kind != Section::Kind::looks && section.kind != Section::Kind::warnings)
             tables.push_back(section);
     const data tables_of_scene = sections_data(tables, analysis, of_scene);
-    const data looks = looks_data(analysis, quality.scene);
+    const SceneLook look = scene_look(analysis, quality.scene);
+    const data looks = looks_data(analysis, look);
     return object{{"scene", quality.scene},
                   {"number", std::to_string(&quality - analysis.references.data())},
                   {"attribute", html_escape(quality.scene)},
@@ -174,7 +167,7 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"looks", looks},
                   {"look", looks.is_non_empty_list()},
                   {"many", looks.list_value().size() > 7},
-                  {"look_seconds", look_seconds(analysis, quality.scene)},
+                  {"look_seconds", short_number(look.seconds)},
                   {"words", sections_data(words, analysis, of_scene)},
                   {"tables", tables_of_scene}};
 }

@@ -64,11 +64,12 @@ Section look_section(const Analysis& analysis) {
                      words("energy differs in")},
                     {},
                     Section::Kind::looks};
-    for (const auto& scene : scenes_of(analysis))
-        for (const LookWords& w : look_words(analysis, scene))
+    for (const auto& scene : scenes_of(analysis)) {
+        const SceneLook look = scene_look(analysis, scene);
+        for (const LookWords& w : look.methods)
             section.rows.push_back({.scene = scene,
                                     .entries = {{marked(analysis, w.look.method)},
-                                                number(w.look.seconds),
+                                                number(look.seconds),
                                                 {w.error},
                                                 {w.beside},
                                                 {w.flip},
@@ -76,6 +77,7 @@ Section look_section(const Analysis& analysis) {
                                                 {w.kind},
                                                 {w.missing},
                                                 {w.energy}}});
+    }
     return section;
 }
 

@@ -43,15 +43,16 @@ std::vector<Cell> joined(std::initializer_list<std::vector<Cell>> lists) {
 TEST(EqualTimeLooks, MethodsWithoutAnImageStandLast) {
     const Analysis analysis = analysis_of(
         joined({runs("late", 1e-5, 5.98, 12), runs("path", 1e-2, 0.05, 0.85), runs("later", 1e-5, 43.5, 50)}));
-    const auto words = look_words(analysis, "box");
+    const SceneLook look = scene_look(analysis, "box");
+    const auto& words = look.methods;
     ASSERT_EQ(words.size(), 3u);
     EXPECT_EQ(words[0].look.method, "path") << "it alone has kept the time";
-    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[0].standing, Standing::best);
     EXPECT_EQ(words[1].look.method, "late");
     EXPECT_EQ(line_of(words[1].error), "no image yet; first after 5.98 s");
-    EXPECT_FALSE(words[1].is_best || words[1].is_tie);
+    EXPECT_EQ(words[1].standing, Standing::no_image);
     EXPECT_EQ(line_of(words[2].error), "no image yet; first after 43.5 s");
-    EXPECT_EQ(words[2].look.seconds, words[0].look.seconds) << "all are compared at one time";
+    EXPECT_EQ(look.seconds, 0.8) << "all are compared at one time";
 }
 
 // Four times as many samples of the path tracer would have won.
@@ -97,9 +98,9 @@ TEST(PriceAnswers, EqualMethodsAreATie) {
     const Analysis analysis = analysis_of(cells);
     EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("(tie with `"));
     EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("tie with"));
-    const auto words = look_words(analysis, "box");
+    const auto words = scene_look(analysis, "box").methods;
     EXPECT_THAT(words[0].beside, HasSubstr("tie with"));
-    EXPECT_TRUE(words[1].is_tie);
+    EXPECT_EQ(words[1].standing, Standing::tie);
     for (const EqualTimeRow& row : equal_time_rows(analysis))
         EXPECT_EQ(row.ranking[1].standing, Standing::tie);
     for (const Crossover& c : crossovers(analysis))

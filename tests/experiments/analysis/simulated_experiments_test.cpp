@@ -78,7 +78,7 @@ TEST(SimulatedExperiments, NameNoWinnerAmongEqualMethods) {
                                        answer.find("not run longer") == std::string::npos;
                     (answer.find("Closest") == std::string::npos ? answers : closest) += named;
                 }
-                looks += look_words(analysis, "box")[0].beside == "best";
+                looks += scene_look(analysis, "box").methods[0].beside == "best";
                 rows += doubts(equal_time_rows(analysis).at(0).ranking).empty();
             }
             for (const int wins : {answers, closest, looks, rows})

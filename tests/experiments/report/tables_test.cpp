@@ -223,12 +223,12 @@ TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
     for (EqualTimeLook& look : analysis.looks) {
         look.flip = 0.0625;
         look.passes = 4;
-        look.image_seconds = 1.5;
+        look.seconds = 1.5;
     }
-    const auto words = look_words(analysis, "box");
+    const auto words = scene_look(analysis, "box").methods;
     ASSERT_EQ(words.size(), 3u);
     EXPECT_EQ(words[0].look.method, "best");
-    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[0].standing, Standing::best);
     EXPECT_EQ(words[0].beside, "best");
     EXPECT_EQ(line_of(words[0].error), "1.01");
     EXPECT_EQ(line_of(words[0].flip), "0.0625");
@@ -238,7 +238,7 @@ TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
     EXPECT_EQ(words[2].missing, "refraction, caustics");
     for (TableRow& row : analysis.rows)
         row.noise_floor = 0.0009;
-    EXPECT_EQ(line_of(look_words(analysis, "box")[1].error), "below 3.00, not resolved");
+    EXPECT_EQ(line_of(scene_look(analysis, "box").methods[1].error), "below 3.00, not resolved");
 }
 
 // The same state has the same words in every place: "not resolved" if the reference hides it, else "not reached".
