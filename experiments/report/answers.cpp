@@ -19,14 +19,6 @@ namespace {
 
 std::string in_brackets(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
 
-/// "`caustic`, `indirect`"
-std::string quoted(const Components& components) {
-    std::string text;
-    for (const Component c : components.list())
-        text += fmt::format("{}`{}`", text.empty() ? "" : ", ", name_of(c));
-    return text;
-}
-
 std::optional<double> mean_error2(const Runs& cells, Layer layer, double seconds) {
     const auto errors2 = errors2_by(cells, layer, seconds);
     return errors2.empty() ? std::nullopt : std::optional(sample_mean(errors2).value);
@@ -41,7 +33,7 @@ public:
     std::vector<std::string> all() const {
         if (!contest_.is_judged() && contest_.methods() > 1)
             return {fmt::format("No method is the cheapest: the reference does not judge the light of {}.",
-                                quoted(analysis_.unjudged(scene_)))};
+                                words_of(analysis_.unjudged(scene_), "`"))};
         std::vector<std::string> answers;
         if (judged_methods() > 1)
             for (const std::size_t target : asked_targets) {
@@ -118,7 +110,7 @@ private:
                     in_brackets(error_kind(of));
         if (ended && std::isfinite(seconds)) text += ", and was not run longer";
         if (!of.effects_missing.empty()) text += ", leaves out " + words_of(of.effects_missing);
-        if (!of.components_missing.empty()) text += ", leaves out light of " + quoted(of.components_missing);
+        if (!of.components_missing.empty()) text += ", leaves out light of " + words_of(of.components_missing, "`");
         const std::string time = with_time ? line_of(time_field(of, target)) : "";
         return text + (time.empty() ? "." : fmt::format("; seconds to {} %: {}.", target_names[target], time));
     }
