@@ -119,6 +119,15 @@ FieldOf in_states(const FieldOf& field, State one, State other) {
     };
 }
 
+FieldOf time(std::size_t t) {
+    return [t](const TableRow& row) { return time_field(row, t); };
+}
+
+Declared time_column(std::size_t t) {
+    return {fmt::format("seconds_to_{}pct", target_names[t]), "s",
+            fmt::format("time to a relative RMSE of {} %", target_names[t])};
+}
+
 Declared corrected_column() {
     return {"rel_mse_corrected", "", "`rel_mse` with the reference's own variance subtracted, as in `table.md`"};
 }
@@ -126,11 +135,6 @@ Declared corrected_column() {
 void add_errors(Columns& c) {
     const auto error = [](auto member) { return of(&TableRow::statistics, member); };
     const FieldOf bias2 = error(&ReplicateStatistics::bias2), variance = error(&ReplicateStatistics::variance);
-    const auto time = [](std::size_t t) { return FieldOf([t](const TableRow& row) { return time_field(row, t); }); };
-    const auto time_column = [](std::size_t t) {
-        return Declared{fmt::format("seconds_to_{}pct", target_names[t]), "s",
-                        fmt::format("time to a relative RMSE of {} %", target_names[t])};
-    };
     const Declared variance_column{"variance", "radiance^2",
                                    "scatter from seed to seed, mean over pixels; it falls with more samples"};
     c.text({"scene", "", "the scene file's name without folder and ending"}, &TableRow::scene);
@@ -160,10 +164,14 @@ void add_errors(Columns& c) {
              of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
     c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
              of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]");
-    for (std::size_t t = 0; t < 4; ++t)
-        c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %", time(t));
-    for (std::size_t t = 0; t < target_names.size(); ++t)
+    for (std::size_t t = 0; t < 4; ++t) {
+        c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %");
+        if (t == 1) c.back().target = t;
+    }
+    for (std::size_t t = 0; t < target_names.size(); ++t) {
         c.shown(in_prices, fmt::format("seconds to {} %", target_names[t]), time(t));
+        c.back().target = t;
+    }
     c.number(
         {"nonfinite", "", "samples of all seeds that were not finite and were dropped"},
         [](const TableRow& row) { return measured(static_cast<double>(row.nonfinite), Unit::whole); }, in_errors,
@@ -252,18 +260,17 @@ void add_laws(Columns& c) {
            in_prices | in_errors, "passes");
     c.back().of_words = false;
     for (std::size_t t = 0; t < target_names.size(); ++t) {
-        const FieldOf time = [t](const TableRow& row) { return time_field(row, t); };
-        const std::string name = fmt::format("seconds_to_{}pct", target_names[t]);
+        const std::string name = time_column(t).name;
         c.text(
             {name + "_state", "",
              "`measured`: all seeds have reached it. `some seeds`: not all of them. By the fitted law: `extrapolated`, "
              "`at least`, `never` (its floor is above). `not reached`: nothing tells when. `not resolved`: the "
              "reference's "
              "noise hides it"},
-            [time](const TableRow& row) { return csv_state(time(row)); });
+            [t](const TableRow& row) { return csv_state(time_field(row, t)); });
         c.estimate(
             {name + "_law", "s", fmt::format("`{}` by the fitted law; a lower bound if the state is `at least`", name)},
-            in_states(time, State::extrapolated, State::at_least));
+            in_states(time(t), State::extrapolated, State::at_least));
     }
 }
 

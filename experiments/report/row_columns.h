@@ -6,6 +6,7 @@
 #include "experiments/text/declared.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -25,6 +26,7 @@ struct RowColumn : Declared {
     std::string heading = "";                          ///< its column there
     std::function<Shown(const TableRow&)> shown = {};  ///< its field there
     bool of_words = false;                             ///< whether its field holds words, which stand on the left
+    std::optional<std::size_t> target = {};            ///< index into target_errors of the error to which it is the time
 };
 
 /// All entries in the order of table.csv. This order does not change; new ones are added at the end.

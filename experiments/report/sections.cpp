@@ -2,6 +2,7 @@
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
+#include "experiments/analysis/price.h"
 #include "experiments/report/answers.h"
 #include "experiments/report/error_words.h"
 #include "experiments/report/field_text.h"
@@ -81,19 +82,13 @@ Section look_section(const Analysis& analysis) {
     return section;
 }
 
-/// Marks the shortest time to each error among the rows of one layer and scene, and those that cannot be told from it.
-void mark_times(const Analysis& analysis, Section& section, std::size_t column, std::size_t target) {
-    for (Row& row : section.rows) {
-        Entry& entry = row.entries[column];
-        const Field& field = std::get<Field>(entry.shown);
-        if (!field.is_measured()) entry.mark = Mark::grey;
-        else if (row.layer)
-            for (const Contender& c : Contest(analysis, row.scene, *row.layer).to_error(target))
-                if (c.method == row.entries[0].method)
-                    entry.mark = c.standing == Standing::best  ? Mark::best
-                                 : c.standing == Standing::tie ? Mark::tie
-                                                               : Mark::none;
-    }
+/// How the time of a row to an error stands beside those of the other methods.
+Mark mark_of(const Analysis& analysis, const TableRow& row, std::size_t target) {
+    if (!time_field(row, target).is_measured()) return Mark::grey;
+    for (const Contender& c : Contest(analysis, row.scene, row.layer).to_error(target))
+        if (c.method == row.method && c.standing == Standing::best) return Mark::best;
+        else if (c.method == row.method && c.standing == Standing::tie) return Mark::tie;
+    return Mark::none;
 }
 
 bool is_empty(const Entry& entry) {
@@ -109,19 +104,16 @@ Section row_section(const Analysis& analysis, RowSection which, std::string titl
         if (column.sections & which) section.columns.push_back({column.heading, column.of_words});
     for (const TableRow& row : analysis.rows) {
         std::vector<Entry> entries = {method_entry(row.method, method_text(analysis, row))};
-        for (const RowColumn& column : row_columns())
-            if (column.sections & which) entries.push_back({column.shown(row)});
+        for (const RowColumn& column : row_columns()) {
+            if (!(column.sections & which)) continue;
+            Entry& entry = entries.emplace_back(Entry{column.shown(row)});
+            if (column.target) entry.mark = mark_of(analysis, row, *column.target);
+            if (const auto* f = std::get_if<Field>(&entry.shown);
+                f && which == in_noise && f->unit == Unit::share && f->is_measured())
+                entry.shares = {f->value, 1 - f->value};
+        }
         if (!std::all_of(entries.begin() + 1, entries.end(), is_empty))
             section.rows.push_back({.scene = row.scene, .entries = std::move(entries), .layer = row.layer});
-    }
-    for (std::size_t column = 1; column < section.columns.size(); ++column) {
-        for (std::size_t t = 0; t < target_names.size(); ++t)
-            if (section.columns[column].heading == fmt::format("seconds to {} %", target_names[t]))
-                mark_times(analysis, section, column, t);
-        for (Row& row : section.rows)
-            if (const auto* f = std::get_if<Field>(&row.entries[column].shown);
-                f && f->unit == Unit::share && f->is_measured() && which == in_noise)
-                row.entries[column].shares = {f->value, 1 - f->value};
     }
     return section;
 }
