@@ -48,8 +48,7 @@ public:
         const auto ranking = contest_.to_error(target);
         if (const Contender* best = best_of(ranking)) {
             const std::string seconds = short_number(row(best->method).times[target]->value) + " s";
-            const std::string doubt = ranking.size() > 1 ? plain(doubts(ranking)) : "";
-            return {best->method, seconds + (doubt.empty() ? "" : ", " + doubt)};
+            return {best->method, seconds + (ranking.size() > 1 ? after_comma(doubts(ranking)) : "")};
         }
         if (!is_target_resolved(target, contest_.noise_floor())) return {"not resolved", ""};
         const auto closest = contest_.by_final_images();
@@ -58,7 +57,8 @@ public:
         // Its time by the fitted law, if there is one.
         const Field time = time_field(*first, target);
         const bool has_time = time.state == State::extrapolated || time.state == State::at_least;
-        return {"not reached", fmt::format("closest: {}{}", first->method, has_time ? ", " + line_of(time, " s") : "")};
+        return {"not reached", fmt::format("closest: {}{}{}", first->method, has_time ? ", " + line_of(time, " s") : "",
+                                           after_comma(doubts(closest)))};
     }
 
 private:
@@ -69,9 +69,9 @@ private:
             [&](const TableRow& r) { return r.scene == scene_ && r.layer == Layer::total && r.statistics; }));
     }
     /// The page's head has no code.
-    static std::string plain(std::string text) {
+    static std::string after_comma(std::string text) {
         std::erase(text, '`');
-        return text;
+        return text.empty() ? "" : ", " + text;
     }
 
     /// A text with the components' shares of the sum of their squared errors after `seconds`, largest first, without those

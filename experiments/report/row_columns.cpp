@@ -107,8 +107,6 @@ bool has_outliers(const TableRow& row) {
     return row.layer == Layer::total && row.robust && is_decided_by_outliers(*row.robust);
 }
 
-bool has_resolved_floor(const TableRow& row) { return floor_field(row).is_measured(); }
-
 /// A field as the number of a column of table.csv, if it is in one of the states.
 FieldOf in_states(const FieldOf& field, State one, State other) {
     return [=](const TableRow& row) {
@@ -218,7 +216,7 @@ void add_laws(Columns& c) {
                law(&PriceLaw::floor), in_laws, "floor %", floor_field);
     const FieldOf floor_bias = [](const TableRow& r) { return r.law ? measured(floor_bias2(r), Unit::root) : Field{}; };
     c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"}, floor_bias, in_laws, "bias in the floor %",
-             where(has_resolved_floor, floor_bias));
+             floor_bias_field);
     c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope");
     c.number({"law_factor", "", "c of the law, for t in seconds"},
              [](const TableRow& r) { return r.law ? measured(r.law->law.factor) : Field{}; });

@@ -189,6 +189,8 @@ TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
     const auto kind = [](Estimate bias2, double variance) { return error_kind(error_row("photons", bias2, variance)); };
     EXPECT_EQ(kind({0.6, Interval{0.5, 0.7}}, 0.4), "bias: 60 % of the squared error, 50 to 70");
     EXPECT_EQ(kind({0.2, Interval{0.1, 0.3}}, 0.8), "noise; bias is 20 % of the squared error, 10 to 30");
+    EXPECT_EQ(kind({0.4, Interval{0.1, 0.7}}, 0.6), "bias and noise; bias is 40 % of the squared error, 10 to 70");
+    EXPECT_EQ(kind({0.6, Interval{0.4, 0.9}}, 0.4), "bias and noise; bias is 60 % of the squared error, 40 to 90");
     EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
     EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
     EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
