@@ -48,7 +48,7 @@ struct Crossover {
     Field relative_rmse = {};            ///< of `method` at that time
     std::vector<std::string> ties = {};  ///< methods that are never told from it, until the next change or its end
     bool one_seed = false;
-    std::vector<std::string> open = {};  ///< methods that were not run until then, of which nothing is known
+    std::vector<std::string> open = {};  ///< methods whose runs ended before the next change, of which no law tells
     /// The end of the best method's run [s], if it comes before those of others: who is best then is not known. `method`
     /// is empty in such a row.
     bool ends = false;

@@ -12,6 +12,8 @@ namespace {
 
 /// A change of the best method counts only if the new error is below this fraction of the old one.
 constexpr double least_lead = 0.95;
+/// Runs of one budget end with unlike passes, within this share of its time.
+constexpr double well_before = 0.9;
 
 /// The mean squared error of some runs as a function of time: infinite before all of them have an image, 0 unless it
 /// is above the noise floor.
@@ -85,19 +87,21 @@ public:
             const auto ranking = contest_.after(times_[i]);
             const Contender* best = best_of(ranking);
             if (!best) continue;
-            if (changes_.empty()) add_change({.scene = scene_, .method = best->method, .seconds = times_[i]}, ranking);
+            if (changes_.empty()) add_change({.scene = scene_, .method = best->method, .seconds = times_[i]});
             const Contender& reigning = of_method(ranking, changes_.back().method);
             if (reigning.known != Contender::Known::equal && reigning.standing != Standing::behind) {
+                end_reign(reigning.ended);
                 changes_.push_back({.scene = scene_,
                                     .method = "",
                                     .before = reigning.method,
                                     .seconds = reigning.ended,
                                     .ends = true});
-                break;
+                return std::move(changes_);
             }
-            if (best->method != reigning.method && is_passed(reigning, *best, i)) pass(*best, i, ranking);
+            if (best->method != reigning.method && is_passed(reigning, *best, i)) pass(*best, i);
             compare_rivals(ranking);
         }
+        if (!changes_.empty()) end_reign(times_.back());
         return std::move(changes_);
     }
 
@@ -108,7 +112,7 @@ private:
         return std::sqrt(curve(best.method)(times_[i])) < least_lead * std::sqrt(curve(reigning.method)(times_[i]));
     }
 
-    void pass(const Contender& best, std::size_t i, const std::vector<Contender>& ranking) {
+    void pass(const Contender& best, std::size_t i) {
         const MeanCurve before = curve(changes_.back().method), after = curve(best.method);
         Crossover change{
             .scene = scene_, .method = best.method, .before = changes_.back().method, .seconds = times_[i]};
@@ -120,17 +124,22 @@ private:
             change.seconds = passing_time(before, after, times_[behind], times_[i]);
             change.interval = passing_interval(before, after, times_, change.seconds);
         }
-        add_change(std::move(change), ranking);
+        end_reign(change.seconds);
+        add_change(std::move(change));
     }
 
-    void add_change(Crossover change, const std::vector<Contender>& ranking) {
+    void add_change(Crossover change) {
         change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
-        for (const Contender& c : ranking)
-            if (c.method != change.method)
-                if (c.standing == Standing::open) change.open.push_back(c.method);
         change.one_seed = contest_.cells().at(change.method).size() < 2;
         changes_.push_back(std::move(change));
         told_apart_.clear();
+    }
+    /// Names the rivals whose runs had ended before the best method's time was over.
+    void end_reign(double seconds) {
+        Crossover& now = changes_.back();
+        for (const Contender& c : contest_.after(seconds))
+            if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
+                now.open.push_back(c.method);
     }
     /// A rival ties until there is a time from which on the best method is told apart from it.
     void compare_rivals(const std::vector<Contender>& ranking) {

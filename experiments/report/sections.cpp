@@ -162,7 +162,8 @@ Section crossover_section(const Analysis& analysis) {
     Section section{
         "When the best method changes",
         "From these seconds on the method is closer to the reference than all others, by 5 % at least before "
-        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change.",
+        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change. Not run "
+        "longer: ended before it.",
         {words("method"), {"from second"}, {"relative RMSE % there"}, words("before"), words("beside others")}};
     for (const Crossover& c : crossovers(analysis)) {
         if (c.ends)

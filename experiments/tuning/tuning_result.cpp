@@ -119,6 +119,9 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
                                                   with_interval(best->verdict.seconds), best->verdict.runs)};
     for (const auto& [error, seconds] : result.along_the_way)
         lines.push_back(fmt::format("seconds to {:g} %: {}", 100 * error, with_interval(seconds)));
+    for (const FinalSetting& f : result.finals)
+        if (f.is_best && &f != best)
+            lines.push_back(fmt::format("{}: {}", result.label(f).text(), factor_text(f, *best)));
     for (const FinalSetting& of_method : result.finals) {
         if (!of_method.is_best || of_method.verdict.state != Verdict::measured) continue;
         const SearchSpace& space = result.methods[of_method.method].space;
