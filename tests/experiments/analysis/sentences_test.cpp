@@ -79,6 +79,47 @@ TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
     EXPECT_FALSE(changes[1].ends);
 }
 
+// The slow method's run ends in the middle of the time in which the other one is the best.
+TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
+    const Analysis analysis = analysis_of(joined({runs("long", 1e-3, 0.5, 64, 0, 2), runs("short", 2e-3, 0.5, 8, 0, 2)}));
+    const auto changes = crossovers(analysis);
+    ASSERT_EQ(changes.size(), 1u);
+    EXPECT_EQ(changes[0].method, "long");
+    EXPECT_THAT(changes[0].open, ElementsAre("short"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("not run longer: `short`"));
+}
+
+// Noisy seeds: 3.8 % beside 21 % is no tie, 3.8 % beside 4 % is one.
+TEST(Ties, AreOfNumbersThatAreClose) {
+    const auto beside = [](double error) {
+        std::vector<Cell> cells;
+        for (const auto& [seed, f] : {std::pair<std::uint64_t, double>{1, 0.8}, {2, 1.25}, {3, 0.9}}) {
+            cells.push_back(run_of("best", 0.038 * 0.038 * f, 1, 1, 0, seed));
+            cells.push_back(run_of("other", error * error * f, 1, 1, 0, 4 - seed));
+        }
+        return scene_look(analysis_of(cells), "box").methods.at(1).beside;
+    };
+    EXPECT_EQ(beside(0.21), "");
+    EXPECT_EQ(beside(0.04), "tie with the best");
+}
+
+TEST(PriceAnswers, TheClosestInAFewWordsHasItsTies) {
+    const Analysis analysis = analysis_of(joined({runs("a", 1e-1, 0.5, 8), runs("b", 1.001e-1, 0.5, 8)}));
+    EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with b")));
+}
+
+TEST(Floor, ABiasThatMayBeNoneIsAnUpperBound) {
+    Analysis analysis = analysis_of(runs("quick", 1e-3, 0.5, 64, 9e-4));
+    TableRow& row = analysis.rows[0];
+    const auto bias = [&](double value, double lo, double hi) {
+        row.statistics->rel_bias2 = Estimate{value, Interval{lo, hi}};
+        return line_of(floor_bias_field(row));
+    };
+    EXPECT_EQ(bias(-1e-5, -1e-4, 1e-4), "below 1.00");
+    EXPECT_EQ(bias(4e-4, 1e-4, 8.1e-4), "2.00 (1.00 to 2.85)");
+    EXPECT_EQ(bias(4e-4, -1e-3, 2e-3), "cannot be told");
+}
+
 TEST(PriceAnswers, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
     const Analysis analysis =
         analysis_of(joined({runs("path", 1e-3, 0.01, 0.16, 0, 2), runs("vcm", 2e-3, 0.05, 3.2, 0, 2)}));
