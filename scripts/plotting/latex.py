@@ -47,6 +47,8 @@ def time(row, column):
         low, high = row[column + "_law_lo"], row[column + "_law_hi"]
         interval = f", {number(low)}--{number(high)}" if is_number(low) and is_number(high) else ""
         return f"{'at least ' if state == 'at least' else ''}{number(law)} (extrapolated{interval})"
+    if state == "some seeds":
+        return "not by all seeds"
     return number(row[column]) if is_number(row[column]) else state or NONE
 
 
