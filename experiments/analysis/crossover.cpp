@@ -66,10 +66,6 @@ std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve&
     return Interval{std::exp(interval.lo), std::exp(interval.hi)};
 }
 
-const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
-    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
-}
-
 /// The scan of one scene through the times of all checkpoints.
 class Scan {
 public:
@@ -130,7 +126,7 @@ private:
 
     void add_change(Crossover change) {
         change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
-        change.one_seed = contest_.cells().at(change.method).size() < 2;
+        change.doubts.one_seed = contest_.cells().at(change.method).size() < 2;
         changes_.push_back(std::move(change));
         told_apart_.clear();
     }
@@ -139,7 +135,7 @@ private:
         Crossover& now = changes_.back();
         for (const Contender& c : contest_.after(seconds))
             if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
-                now.open.push_back(c.method);
+                now.doubts.open.push_back(c.method);
     }
     /// A rival ties until there is a time from which on the best method is told apart from it.
     void compare_rivals(const std::vector<Contender>& ranking) {
@@ -149,9 +145,9 @@ private:
             if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
             if (are_told_apart(own, c)) told_apart_.insert(c.method);
-            const auto found = std::find(now.ties.begin(), now.ties.end(), c.method);
-            if (told_apart_.count(c.method) == 0 && found == now.ties.end()) now.ties.push_back(c.method);
-            if (told_apart_.count(c.method) > 0 && found != now.ties.end()) now.ties.erase(found);
+            const auto found = std::find(now.doubts.ties.begin(), now.doubts.ties.end(), c.method);
+            if (told_apart_.count(c.method) == 0 && found == now.doubts.ties.end()) now.doubts.ties.push_back(c.method);
+            if (told_apart_.count(c.method) > 0 && found != now.doubts.ties.end()) now.doubts.ties.erase(found);
         }
     }
 

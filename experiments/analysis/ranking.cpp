@@ -76,11 +76,19 @@ const Contender* best_of(const std::vector<Contender>& ranking) {
     return !ranking.empty() && ranking.front().standing == Standing::best ? &ranking.front() : nullptr;
 }
 
-std::vector<std::string> those(const std::vector<Contender>& ranking, Standing standing) {
-    std::vector<std::string> methods;
-    for (const Contender& c : ranking)
-        if (c.standing == standing) methods.push_back(c.method);
-    return methods;
+const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
+    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
+}
+
+Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {
+    const Contender& own = of_method(ranking, method);
+    Doubts doubts{.one_seed = own.logs.size() < 2};
+    for (const Contender& c : ranking) {
+        if (c.method == method) continue;
+        if (c.standing == Standing::open) doubts.open.push_back(c.method);
+        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own)) doubts.ties.push_back(c.method);
+    }
+    return doubts;
 }
 
 }  // namespace gib

@@ -58,7 +58,14 @@ std::vector<Contender> ranked(std::vector<Contender> contenders);
 
 /// The first one if it is the best; null if none is.
 const Contender* best_of(const std::vector<Contender>& ranking);
-/// The methods with this standing, in their order.
-std::vector<std::string> those(const std::vector<Contender>& ranking, Standing standing);
+const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method);
+
+/// What a sentence about a method has to add.
+struct Doubts {
+    std::vector<std::string> ties = {};  ///< methods that cannot be told from it
+    std::vector<std::string> open = {};  ///< methods whose runs ended before this could be told
+    bool one_seed = false;
+};
+Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking);
 
 }  // namespace gib

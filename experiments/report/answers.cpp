@@ -133,7 +133,7 @@ private:
     std::string with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
         const TableRow& winner = row(ranking.front().method);
         const Estimate& time = *winner.times[target];
-        const bool is_known = those(ranking, Standing::open).empty();
+        const bool is_known = doubts_about(winner.method, ranking).open.empty();
         std::string text = fmt::format("`{}` {} {} %{}: {} s", winner.method,
                                        is_known ? "is the cheapest at" : "is the first that was seen to reach",
                                        target_names[target], in_brackets(doubts(ranking)), with_interval(time));

@@ -96,12 +96,6 @@ std::string bias_state(const TableRow& row) {
     return row.is_unbiased ? "unbiased" : "measured";
 }
 
-std::string passes_of(const TableRow& row) {
-    if (row.most_passes == 0) return "";
-    return row.least_passes == row.most_passes ? std::to_string(row.most_passes)
-                                               : fmt::format("{} to {}", row.least_passes, row.most_passes);
-}
-
 /// Whether the error of the whole image is that of few pixels.
 bool has_outliers(const TableRow& row) {
     return row.layer == Layer::total && row.robust && is_decided_by_outliers(*row.robust);
@@ -254,7 +248,7 @@ void add_laws(Columns& c) {
          "processor that measured the row, by the name that the system gives; several are separated by `;`, and their "
          "times do not compare"},
         [](const TableRow& row) { return fmt::format("{}", fmt::join(row.cpus, ";")); });
-    c.text({"passes", "", "passes of the final images: one number, or the least and the most of the seeds"}, passes_of,
+    c.text({"passes", "", "passes of the final images: one number, or the least and the most of the seeds"}, [](const TableRow& r) { return r.most_passes > 0 ? passes_text(r.least_passes, r.most_passes) : ""; },
            in_prices | in_errors, "passes");
     c.back().of_words = false;
     for (std::size_t t = 0; t < target_names.size(); ++t) {
@@ -273,6 +267,10 @@ void add_laws(Columns& c) {
 }
 
 }  // namespace
+
+std::string passes_text(std::uint32_t least, std::uint32_t most) {
+    return least == most ? std::to_string(most) : fmt::format("{} to {}", least, most);
+}
 
 const std::vector<RowColumn>& row_columns() {
     static const Columns columns = [] {

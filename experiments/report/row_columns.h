@@ -29,6 +29,9 @@ struct RowColumn : Declared {
     std::optional<std::size_t> target = {};            ///< index into target_errors of the error to which it is the time
 };
 
+/// "16", or "12 to 16": the least and the most passes of the seeds.
+std::string passes_text(std::uint32_t least, std::uint32_t most);
+
 /// All entries in the order of table.csv. This order does not change; new ones are added at the end.
 const std::vector<RowColumn>& row_columns();
 

@@ -25,9 +25,6 @@ using Row = Section::Row;
 Column words(const char* heading) { return {heading, true}; }
 Entry number(double value) { return {measured(value)}; }
 Entry method_entry(const std::string& method, const std::string& text) { return {text, Mark::none, method}; }
-std::string passes_text(std::uint32_t least, std::uint32_t most) {
-    return least == most ? std::to_string(most) : fmt::format("{} to {}", least, most);
-}
 
 /// The label of a method and, in brackets, that it is another renderer's.
 std::string marked(const Analysis& analysis, const std::string& method) {
@@ -179,7 +176,7 @@ Section crossover_section(const Analysis& analysis) {
                                                 {measured({c.seconds, c.interval})},
                                                 {c.relative_rmse},
                                                 {c.before.empty() ? std::string("no image yet") : c.before},
-                                                {doubts(c.ties, c.open, c.one_seed)}}});
+                                                {words_of(c.doubts)}}});
     }
     return section;
 }
@@ -234,7 +231,7 @@ Section frontier_section(const Analysis& analysis) {
                                             {p.relative_rmse},
                                             {passes_text(p.least_passes, p.most_passes)},
                                             method_entry(p.method, p.method),
-                                            {doubts(p.ties, p.open, p.one_seed)}}});
+                                            {words_of(p.doubts)}}});
     return section;
 }
 

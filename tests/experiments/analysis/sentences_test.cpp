@@ -85,7 +85,7 @@ TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
     const auto changes = crossovers(analysis);
     ASSERT_EQ(changes.size(), 1u);
     EXPECT_EQ(changes[0].method, "long");
-    EXPECT_THAT(changes[0].open, ElementsAre("short"));
+    EXPECT_THAT(changes[0].doubts.open, ElementsAre("short"));
     EXPECT_THAT(markdown_table(analysis), HasSubstr("not run longer: `short`"));
 }
 
@@ -145,9 +145,9 @@ TEST(PriceAnswers, EqualMethodsAreATie) {
     for (const EqualTimeRow& row : equal_time_rows(analysis))
         EXPECT_EQ(row.ranking[1].standing, Standing::tie);
     for (const Crossover& c : crossovers(analysis))
-        EXPECT_EQ(c.ties.size(), 1u);
+        EXPECT_EQ(c.doubts.ties.size(), 1u);
     for (const FrontierPoint& p : pareto_frontier(analysis))
-        EXPECT_EQ(p.ties.size(), 1u);
+        EXPECT_EQ(p.doubts.ties.size(), 1u);
 }
 
 // The budget ends the seeds after 40 and 64 s. Their errors there, and not those at the last pass that all have, are the
