@@ -99,10 +99,14 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
         for (const auto& [method, cells] : contest.cells())
             for (const MeanPoint& point : mean_curve(cells, Layer::total)) {
                 const double error2 = sample_mean(point.relative).value;
-                if (!std::isnan(error2))
-                    points.try_emplace({point.seconds, std::max(error2, contest.noise_floor())}, scene, method,
-                                       point.least_passes, point.most_passes, point.seconds,
-                                       resolved({error2, {}}, contest.noise_floor()));
+                if (std::isnan(error2)) continue;
+                points.try_emplace({point.seconds, std::max(error2, contest.noise_floor())},
+                                   FrontierPoint{.scene = scene,
+                                                 .method = method,
+                                                 .least_passes = point.least_passes,
+                                                 .most_passes = point.most_passes,
+                                                 .seconds = point.seconds,
+                                                 .relative_rmse = resolved({error2, {}}, contest.noise_floor())});
             }
         double best = std::numeric_limits<double>::infinity();
         for (auto& [place, point] : points) {

@@ -5,7 +5,6 @@
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
-#include "experiments/report/photon_links.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
@@ -15,11 +14,13 @@
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
 #include "experiments/text/template_text.h"
+#include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 namespace gib {
@@ -215,14 +216,24 @@ data page_data(const Analysis& analysis) {
 
 /// Links to the pages of stored light, and the first command that makes one which is not there.
 void add_photon_links(data& page, const Analysis& analysis, const ResultFolder& folder) {
+    namespace fs = std::filesystem;
     list pages;
     std::string command;
-    for (const PhotonLink& link : photon_links(analysis.index, folder)) {
-        if (!link.page.empty())
-            pages.push_back(
-                object{{"photon_scene", link.scene}, {"photon_method", link.method}, {"href", html_escape(link.page)}});
-        else if (command.empty()) command = html_escape(link.command);
-    }
+    const auto names = names_of_methods_that_store_light();
+    for (const IndexScene& scene : analysis.index.scenes)
+        for (const std::string& method : analysis.index.methods) {
+            if (std::find(names.begin(), names.end(), MethodLabel::parse(method).name) == names.end()) continue;
+            fs::path file = folder.method_image(scene.name, method);
+            file.replace_extension();  // without the image's ending
+            file += "-photons.html";
+            if (fs::exists(file))
+                pages.push_back(object{{"photon_scene", scene.name},
+                                       {"photon_method", method},
+                                       {"href", html_escape("images/" + file.filename().string())}});
+            else if (command.empty())
+                command = html_escape(
+                    fmt::format("gibench photons '{}' --method '{}' -o '{}'", scene.path, method, file.string()));
+        }
     page["stores_light"] = data(!pages.empty() || !command.empty());
     page["photon_pages"] = pages;
     page["photon_command"] = optional_text(command);
