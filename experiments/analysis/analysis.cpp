@@ -215,8 +215,8 @@ bool has_made(const std::string& method, const Reference& reference) {
 }
 
 /// The components of the reference that images of a method contradict (contradiction.h).
-std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index, const Components& left_out,
-                                           const Reference& reference) {
+std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
+                                           const Components& left_out, const Reference& reference) {
     const std::string& method = replicates.cells.front()->method;
     if (index.is_external(method)) return {};
     std::vector<Component> unbiased_for;

@@ -32,13 +32,13 @@ struct Contender {
     enum class Known { equal, lower_bounds, upper_bounds };
 
     std::string method;
-    double mean = 0;             ///< the number, by which contenders are ranked
-    std::vector<double> logs;    ///< its logarithm for each seed; empty: no image
+    double mean = 0;           ///< the number, by which contenders are ranked
+    std::vector<double> logs;  ///< its logarithm for each seed; empty: no image
     Known known = Known::equal;
-    bool is_complete = true;                 ///< whether it has all light
-    std::optional<Interval> by_law = {};     ///< where only bounds are known: 95 % interval of the logarithm by its law
-    double ended = 0;                        ///< mean time of the runs [s]
-    double first_image = 0;                  ///< time after which all runs have an image [s]
+    bool is_complete = true;              ///< whether it has all light
+    std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
+    double ended = 0;                     ///< mean time of the runs [s]
+    double first_image = 0;               ///< time after which all runs have an image [s]
     // Set by ranked():
     Standing standing = Standing::no_image;
     double log_mean = 0;                ///< mean of `logs`

@@ -74,9 +74,9 @@ std::string csv_text(const Field& field) { return field.is_measured() ? csv_numb
 
 std::string csv_state(const Field& field) {
     // In the order of State.
-    constexpr const char* names[] = {"",         "measured",     "extrapolated",   "at least", "below",
-                                     "some seeds", "not reached",  "never",          "unbiased", "not resolved",
-                                     "cannot be told", "no image", "not judged"};
+    constexpr const char* names[] = {
+        "",      "measured", "extrapolated", "at least",       "below",    "some seeds", "not reached",
+        "never", "unbiased", "not resolved", "cannot be told", "no image", "not judged"};
     return names[static_cast<std::size_t>(field.state)];
 }
 

@@ -57,17 +57,17 @@ SceneLook scene_look(const Analysis& analysis, const std::string& scene) {
         const TableRow* total = analysis.row(scene, c.method, Layer::total);
         if (look == analysis.looks.end() || !total) continue;
         const bool is_late = c.standing == Standing::no_image;
-        all.methods.push_back({.look = *look,
-                               .standing = has_best || is_late ? c.standing : Standing::open,
-                               .error = error_of(c, *total),
-                               .beside = has_best ? beside_text(ranking, c) : "",
-                               .flip = look->flip && !is_late ? measured(*look->flip) : Field{},
-                               .kind = error_kind(*total),
-                               .missing = left_out(*total),
-                               .energy = different_energy(analysis, *look),
-                               .shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "",
-                                                    look->passes, look->passes == 1 ? "" : "es",
-                                                    short_number(look->seconds))});
+        all.methods.push_back(
+            {.look = *look,
+             .standing = has_best || is_late ? c.standing : Standing::open,
+             .error = error_of(c, *total),
+             .beside = has_best ? beside_text(ranking, c) : "",
+             .flip = look->flip && !is_late ? measured(*look->flip) : Field{},
+             .kind = error_kind(*total),
+             .missing = left_out(*total),
+             .energy = different_energy(analysis, *look),
+             .shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "", look->passes,
+                                  look->passes == 1 ? "" : "es", short_number(look->seconds))});
     }
     return all;
 }

@@ -248,8 +248,10 @@ void add_laws(Columns& c) {
          "processor that measured the row, by the name that the system gives; several are separated by `;`, and their "
          "times do not compare"},
         [](const TableRow& row) { return fmt::format("{}", fmt::join(row.cpus, ";")); });
-    c.text({"passes", "", "passes of the final images: one number, or the least and the most of the seeds"}, [](const TableRow& r) { return r.most_passes > 0 ? passes_text(r.least_passes, r.most_passes) : ""; },
-           in_prices | in_errors, "passes");
+    c.text(
+        {"passes", "", "passes of the final images: one number, or the least and the most of the seeds"},
+        [](const TableRow& r) { return r.most_passes > 0 ? passes_text(r.least_passes, r.most_passes) : ""; },
+        in_prices | in_errors, "passes");
     c.back().of_words = false;
     for (std::size_t t = 0; t < target_names.size(); ++t) {
         const std::string name = time_column(t).name;

@@ -182,8 +182,8 @@ ResultIndex ResultFolder::read_index() const {
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
         index.externals = j.value("externals", std::vector<std::string>());  // older folders have none
         for (const auto& m : j.at("effects_missing"))
-            index.left_out[{m.at("scene"), m.at("method")}] = {
-                effects_named(m.at("effects")), Components(components_named(m.value("components", "")))};
+            index.left_out[{m.at("scene"), m.at("method")}] = {effects_named(m.at("effects")),
+                                                               Components(components_named(m.value("components", "")))};
         return index;
     } catch (const json::exception& error) {
         reject({path}, "not an index of results: {}", error.what());

@@ -81,7 +81,8 @@ TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
 
 // The slow method's run ends in the middle of the time in which the other one is the best.
 TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
-    const Analysis analysis = analysis_of(joined({runs("long", 1e-3, 0.5, 64, 0, 2), runs("short", 2e-3, 0.5, 8, 0, 2)}));
+    const Analysis analysis =
+        analysis_of(joined({runs("long", 1e-3, 0.5, 64, 0, 2), runs("short", 2e-3, 0.5, 8, 0, 2)}));
     const auto changes = crossovers(analysis);
     ASSERT_EQ(changes.size(), 1u);
     EXPECT_EQ(changes[0].method, "long");
