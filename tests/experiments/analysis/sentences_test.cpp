@@ -243,7 +243,7 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     analysis.cells[1] = busy(analysis.cells[1], 0.5);
     const auto warning = busy_machine(analysis, "box", "e.toml");
     ASSERT_TRUE(warning);
-    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("path: threads waited for 50 %"), Not(HasSubstr("vcm"))));
+    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
     EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
     analysis.warnings.push_back(*warning);
     const std::string text = markdown_table(analysis);
