@@ -136,7 +136,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[*layer_named(name)] = noise_floor_of(*layer, judgement.denominators(epsilon));
+        quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
 }
 

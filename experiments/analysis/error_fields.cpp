@@ -7,6 +7,12 @@
 
 namespace gib {
 
+double least_resolved(const ReferenceLayer& layer, const Denominators& denominators) {
+    const double variance = denominators.variance_of(layer).variance.variance;
+    const double floor = noise_floor_of(layer, denominators);
+    return std::isfinite(variance) ? std::max(floor, 2 * std::sqrt(variance)) : floor;
+}
+
 std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
     if (!row.statistics) return std::nullopt;
     const auto& s = *row.statistics;

@@ -109,6 +109,31 @@ TEST(PriceAnswers, TheClosestInAFewWordsHasItsTies) {
     EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with b")));
 }
 
+// One group of 16 has met a bright pixel. The reference's variance is as uncertain as it is large, and so is every error
+// from which it is subtracted.
+TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
+    const auto least = [](float bright) {
+        std::mt19937 random(3);
+        std::normal_distribution<float> noise(1, 0.1f);
+        std::vector<Image> groups;
+        for (int g = 0; g < 16; ++g) {
+            Image image(16, 16);
+            for (float& value : image.rgb)
+                value = noise(random);
+            if (g == 7) image.set(100, Color::Constant(bright));
+            groups.push_back(std::move(image));
+        }
+        const ReferenceLayer layer = layer_of_groups(std::move(groups));
+        const Denominators denominators(layer, 0.01);
+        return std::pair(least_resolved(layer, denominators), sqr(relative_standard_error(layer, denominators)));
+    };
+    const auto [even, even_error2] = least(1);
+    EXPECT_LT(even, even_error2);
+    const auto [uneven, error2] = least(300);
+    EXPECT_GT(error2, 4 * even_error2) << "the bright pixel is most of the reference's error";
+    EXPECT_GT(uneven, error2);
+}
+
 TEST(Floor, ABiasThatMayBeNoneIsAnUpperBound) {
     Analysis analysis = analysis_of(runs("quick", 1e-3, 0.5, 64, 9e-4));
     TableRow& row = analysis.rows[0];
