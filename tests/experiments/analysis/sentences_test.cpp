@@ -90,6 +90,14 @@ TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
     EXPECT_THAT(markdown_table(analysis), HasSubstr("not run longer: `short`"));
 }
 
+// The second method's first image is better than all that the first one has.
+TEST(Crossovers, ATimeWithoutScatterHasNoInterval) {
+    const auto changes = crossovers(analysis_of(joined({runs("early", 1e-1, 0.5, 64), runs("late", 1e-4, 8, 64)})));
+    ASSERT_EQ(changes.size(), 2u);
+    EXPECT_NEAR(changes[1].seconds, 8, 1e-6);
+    EXPECT_FALSE(changes[1].interval);
+}
+
 // Noisy seeds: 3.8 % beside 21 % is no tie, 3.8 % beside 4 % is one.
 TEST(Ties, AreOfNumbersThatAreClose) {
     const auto beside = [](double error) {
