@@ -40,7 +40,6 @@ Contender Contest::contender(const std::string& method, const Runs& cells) const
     const TableRow* row = analysis_.row(scene_, method, layer_);
     return {
         .method = method,
-        .logs = {},
         .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
         .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
         .first_image = first_image_of_all(cells)};

@@ -33,7 +33,7 @@ struct Contender {
 
     std::string method;
     double mean = 0;           ///< the number, by which contenders are ranked
-    std::vector<double> logs;  ///< its logarithm for each seed; empty: no image
+    std::vector<double> logs = {};  ///< its logarithm for each seed; empty: no image
     Known known = Known::equal;
     bool is_complete = true;              ///< whether it has all light
     std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
@@ -42,7 +42,7 @@ struct Contender {
     // Set by ranked():
     Standing standing = Standing::no_image;
     double log_mean = 0;                ///< mean of `logs`
-    std::vector<VarianceTerm> scatter;  ///< variance of that mean
+    std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
 };
 
 /// The probability with which two methods of equal means are told apart. It is smaller than that of the intervals,

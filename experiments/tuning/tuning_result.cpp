@@ -99,8 +99,12 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
             return fmt::format("{} after {} s, measured{}", result.target, with_interval(verdict.seconds), runs);
         case Verdict::extrapolated:
             if (interval && std::isinf(interval->hi))
-                return fmt::format("{} after at least {} s, extrapolated from {}{}", result.target,
-                                   short_number(interval->lo), end, runs);
+                return fmt::format("{} after at least {} s, {}extrapolated from {}{}", result.target,
+                                   short_number(interval->lo),
+                                   verdict.seconds.value > interval->lo && std::isfinite(verdict.seconds.value)
+                                       ? fmt::format("perhaps {} s, ", short_number(verdict.seconds.value))
+                                       : "",
+                                   end, runs);
             return fmt::format("{} after {} s, extrapolated from {}{}", result.target, with_interval(verdict.seconds),
                                end, runs);
         case Verdict::not_reachable:

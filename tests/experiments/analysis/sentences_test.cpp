@@ -133,7 +133,7 @@ TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
         }
         const ReferenceLayer layer = layer_of_groups(std::move(groups));
         const Denominators denominators(layer, 0.01);
-        return std::pair(least_resolved(layer, denominators), sqr(relative_standard_error(layer, denominators)));
+        return std::pair(least_resolved(layer, denominators), std::pow(relative_standard_error(layer, denominators), 2));
     };
     const auto [even, even_error2] = least(1);
     EXPECT_LT(even, even_error2);
