@@ -32,7 +32,7 @@ struct Contender {
     enum class Known { equal, lower_bounds, upper_bounds };
 
     std::string method;
-    double mean = 0;           ///< the number, by which contenders are ranked
+    double mean = 0;                ///< the number, by which contenders are ranked
     std::vector<double> logs = {};  ///< its logarithm for each seed; empty: no image
     Known known = Known::equal;
     bool is_complete = true;              ///< whether it has all light
@@ -41,7 +41,7 @@ struct Contender {
     double first_image = 0;               ///< time after which all runs have an image [s]
     // Set by ranked():
     Standing standing = Standing::no_image;
-    double log_mean = 0;                ///< mean of `logs`
+    double log_mean = 0;                     ///< mean of `logs`
     std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
 };
 

@@ -235,10 +235,9 @@ private:
         bool is_cut = false;
         // The fewest seeds of each method's best settings come first, the cheapest method before all others, because each one
         // is to have a verdict; then their other seeds, then the other settings.
-        for (const auto& [from, to, first, last] :
-             {std::tuple(std::size_t{0}, bests, std::uint64_t{1}, fewest_seeds),
-              std::tuple(std::size_t{0}, bests, fewest_seeds + 1, final_seeds),
-              std::tuple(bests, labels.size(), std::uint64_t{1}, final_seeds)}) {
+        for (const auto& [from, to, first, last] : {std::tuple(std::size_t{0}, bests, std::uint64_t{1}, fewest_seeds),
+                                                    std::tuple(std::size_t{0}, bests, fewest_seeds + 1, final_seeds),
+                                                    std::tuple(bests, labels.size(), std::uint64_t{1}, final_seeds)}) {
             std::vector<TuningRuns::Wanted> wanted;
             for (std::size_t i = from; i < to; ++i)
                 for (std::uint64_t seed = first; seed <= last; ++seed)

@@ -133,7 +133,8 @@ TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
         }
         const ReferenceLayer layer = layer_of_groups(std::move(groups));
         const Denominators denominators(layer, 0.01);
-        return std::pair(least_resolved(layer, denominators), std::pow(relative_standard_error(layer, denominators), 2));
+        return std::pair(least_resolved(layer, denominators),
+                         std::pow(relative_standard_error(layer, denominators), 2));
     };
     const auto [even, even_error2] = least(1);
     EXPECT_LT(even, even_error2);
@@ -276,7 +277,8 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     analysis.cells[1] = busy(analysis.cells[1], 0.5);
     const auto warning = busy_machine(analysis, "box", "e.toml");
     ASSERT_TRUE(warning);
-    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
+    EXPECT_THAT(warning->sentence,
+                AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
     EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
     analysis.warnings.push_back(*warning);
     const std::string text = markdown_table(analysis);
