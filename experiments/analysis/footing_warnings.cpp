@@ -91,8 +91,8 @@ std::vector<Warning> footing_warnings(const Analysis& analysis) {
     last = nullptr;
     for (const TableRow& row : analysis.rows) {
         if (!row.has_verdict(FootingVerdict::unresolved)) continue;
-        // A method that leaves out light of the component differs for a reason that is known.
-        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer))
+        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing.
+        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer) && row.footing->excess.interval)
             groups[{row.scene, row.layer}].push_back(&row);
         add(unresolved, row, Warning::Kind::energy_unknown,
             fmt::format(" cannot be told within {:.0f} %", 100 * footing_tolerance));

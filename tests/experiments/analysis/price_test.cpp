@@ -187,6 +187,9 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     EXPECT_EQ(warnings[0].kind, Warning::Kind::energy_differs);
     EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("`indirect` differs between methods"), HasSubstr("b has +3.00 %"),
                                             HasSubstr("over a")));
+    analysis.rows[1].footing->excess.interval.reset();
+    EXPECT_EQ(footing_warnings(analysis).size(), 4u) << "all images of b are equal: they have missed the same paths";
+    analysis.rows[1].footing->excess.interval = unknown.interval;
     analysis.rows[1].effects_missing = {Effect::refraction};
     EXPECT_EQ(footing_warnings(analysis).size(), 4u) << "b leaves out light, which is no disagreement";
     analysis.rows[1].effects_missing = {};
