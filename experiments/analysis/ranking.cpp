@@ -81,7 +81,7 @@ const Contender& of_method(const std::vector<Contender>& ranking, const std::str
 
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {
     const Contender& own = of_method(ranking, method);
-    Doubts doubts{.one_seed = own.logs.size() < 2};
+    Doubts doubts{.one_seed = own.logs.size() == 1};
     for (const Contender& c : ranking) {
         if (c.method == method) continue;
         if (c.standing == Standing::open) doubts.open.push_back(c.method);
