@@ -5,7 +5,6 @@
 #include "common/images/image_file.h"
 #include "experiments/analysis/equal_time_look.h"
 #include "experiments/analysis/error_fields.h"
-#include "experiments/analysis/left_out.h"
 #include "experiments/analysis/price.h"
 #include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
@@ -29,9 +28,23 @@ namespace {
 /// The replicates of one method on one scene.
 struct Replicates {
     Runs cells;
-    std::vector<std::string> folders;  ///< names of the cells' folders
-    std::vector<ComponentImages> images;
-    std::vector<Image> totals;  ///< images as they are judged
+    std::vector<std::string> folders = {};  ///< names of the cells' folders
+    std::vector<ComponentImages> images = {};
+    std::vector<Image> totals = {};  ///< images as they are judged
+    bool is_lit = false;             ///< whether an image has light in it
+
+    Replicates(const Runs& runs, const ResultFolder& folder, const Judgement& judgement) : cells(runs) {
+        for (const Cell* cell : runs) {
+            folders.push_back(cell_folder_name(cell->scene, cell->method, cell->seed));
+            const LayeredImage file = read_image(folder.cell_image(folders.back()));
+            images.push_back(components_in(file));
+            totals.push_back(judgement.total_of(file));
+            is_lit = is_lit || !is_black(file.find("") ? *file.find("") : totals.back());
+        }
+    }
+    bool are_equal() const {
+        return std::all_of(totals.begin(), totals.end(), [&](const Image& x) { return x.rgb == totals.front().rgb; });
+    }
 };
 
 /// The part of a row that needs no reference.
@@ -53,9 +66,7 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, Layer
         row.nonfinite += cell->last().counts.non_finite.count;
         row.peak_rss_mib = std::max(row.peak_rss_mib, cell->last().peak_rss_mib);
     }
-    if (const auto missing = index.effects_missing.find({row.scene, row.method});
-        missing != index.effects_missing.end())
-        row.effects_missing = effects_named(missing->second);
+    row.effects_missing = index.left_out_by(row.scene, row.method).effects;
     return row;
 }
 
@@ -125,7 +136,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
         quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
     for (const auto& [name, layer] : judgement.layers())
-        quality.noise_floors[*layer_named(name)] = noise_floor_of(*layer, judgement.denominators(epsilon));
+        quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
 }
 
@@ -147,10 +158,9 @@ std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolde
     }
 }
 
-/// Appends the complete cells of a scene to the analysis and returns the names of their folders.
-std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& analysis) {
+/// Appends the complete cells of a scene to the analysis.
+void add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& analysis) {
     const ResultIndex& index = analysis.index;
-    std::vector<std::string> names;
     for (const auto& method : index.methods)
         for (int seed = 1; seed <= index.seeds; ++seed) {
             const std::string name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
@@ -158,14 +168,9 @@ std::vector<std::string> add_cells(const IndexScene& scene, const ResultFolder& 
             std::string damage;
             auto cell = key == index.cell_keys.end() ? std::nullopt : folder.read_cell(name, key->second, &damage);
             if (!damage.empty()) analysis.damage.push_back(damage + "; the cell is left out");
-            if (cell) {
-                names.push_back(name);
-                analysis.cells.push_back(*std::move(cell));
-            } else {
-                ++analysis.missing_cells;
-            }
+            if (cell) analysis.cells.push_back(*std::move(cell));
+            else ++analysis.missing_cells;
         }
-    return names;
 }
 
 /// The path of the experiment file as it was typed.
@@ -177,12 +182,6 @@ std::string experiment_file_of(const ResultFolder& folder) {
     }
 }
 
-/// ResultIndex::components_missing of a method; empty if it leaves out nothing.
-Components components_missing(const ResultIndex& index, const std::string& scene, const std::string& method) {
-    const auto found = index.components_missing.find({scene, method});
-    return found == index.components_missing.end() ? Components() : Components(components_named(found->second));
-}
-
 /// Equal images tell no interval of what their method makes on average: all of them may have missed a rare path. They
 /// do if the method draws no random numbers, as the totals then show: they are equal, too, and no theory says that the
 /// method is right.
@@ -192,10 +191,6 @@ void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
     if (totals_are_equal && !row.is_unbiased) return;
     row.footing->verdict = FootingVerdict::unresolved;
     row.footing->excess.interval.reset();
-}
-
-bool are_equal(const std::vector<Image>& images) {
-    return std::all_of(images.begin(), images.end(), [&](const Image& x) { return x.rgb == images.front().rgb; });
 }
 
 /// Removes the numbers of a scene in which nothing emits light: its images are right, and no time compares.
@@ -219,40 +214,70 @@ bool has_made(const std::string& method, const Reference& reference) {
                        [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
 
-/// Leaves those components of the reference unresolved that images of its scene contradict (contradiction.h), and warns of them.
-/// `folders` are those of the last cells of the analysis.
-void drop_contradicted(const IndexScene& scene, Reference& reference, const std::vector<std::string>& folders,
-                       const ResultFolder& folder, Analysis& analysis) {
-    const std::size_t first = analysis.cells.size() - folders.size();
-    const Judgement judgement(reference);
-    const double error = relative_standard_error(judgement.is_empty() ? reference.total : judgement.total(),
-                                                 judgement.denominators(judgement.epsilon(analysis.index.epsilon)));
+/// The components of the reference that images of a method contradict (contradiction.h).
+std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
+                                           const Components& left_out, const Reference& reference) {
+    const std::string& method = replicates.cells.front()->method;
+    if (index.is_external(method)) return {};
+    std::vector<Component> unbiased_for;
+    const bool is_other = !has_made(MethodLabel::parse(method).name, reference);
+    for (const Component c : all_components)
+        if (is_other && is_unbiased(plain_row(replicates, index, layer_of(c)), left_out)) unbiased_for.push_back(c);
+    return contradictions(reference, replicates.images, unbiased_for);
+}
+
+/// What the images of a scene say.
+struct SceneRows {
+    std::vector<TableRow> rows = {};
+    Components unjudged = {};  ///< ReferenceQuality::unjudged
+    bool is_lit = false;       ///< whether an image has light in it
+    std::map<Component, std::pair<std::string, Contradiction>> contradictions = {};  ///< with the method that shows it
+};
+
+SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& reference, const Judgement& judgement,
+                        const ResultFolder& folder, const Analysis& analysis) {
+    SceneRows all{.is_lit = !is_black(reference.total.mean)};
+    SceneLight light(reference);
+    const CellsByMethod cells = cells_by_method(analysis, quality.scene);
+    std::set<std::string> equal;  // methods all of whose totals are equal
     for (const auto& method : analysis.index.methods) {
-        if (analysis.index.is_external(method)) continue;
-        Replicates replicates;
-        for (std::size_t i = 0; i < folders.size(); ++i) {
-            if (analysis.cells[first + i].method != method) continue;
-            replicates.cells.push_back(&analysis.cells[first + i]);
-            replicates.images.push_back(components_in(read_image(folder.cell_image(folders[i]))));
-        }
-        if (replicates.cells.empty()) continue;
-        const Components left_out = components_missing(analysis.index, scene.name, method);
-        std::vector<Component> unbiased_for;
-        const bool is_other = !has_made(MethodLabel::parse(method).name, reference);
-        for (const Component c : all_components)
-            if (is_other && is_unbiased(plain_row(replicates, analysis.index, layer_of(c)), left_out))
-                unbiased_for.push_back(c);
-        for (const Contradiction& found : contradictions(reference, replicates.images, unbiased_for)) {
-            reference.unresolved.push_back(found.component);
-            analysis.warnings.push_back(
-                {.kind = Warning::Kind::reference_contradicted,
-                 .scene = scene.name,
-                 .layer = layer_of(found.component),
-                 .sentence = fmt::format("the reference is wrong: {} finds {}; {} is not judged", method, found.text(),
-                                         name_of(found.component)),
-                 .command = fmt::format("gibench reference '{}' --seed 2 --target {:.2g}% -o '{}.exr'", scene.path,
-                                        50 * error, scene.name)});
-        }
+        const auto found = cells.find(method);
+        if (found == cells.end()) continue;
+        const Replicates replicates(found->second, folder, judgement);
+        const Components left_out = analysis.index.left_out_by(quality.scene, method).components;
+        for (const Contradiction& c : contradicted_by(replicates, analysis.index, left_out, reference))
+            all.contradictions.try_emplace(c.component, method, c);
+        all.is_lit = all.is_lit || replicates.is_lit;
+        if (replicates.are_equal()) equal.insert(method);
+        light.add(replicates.images, left_out);
+        for (auto& row : rows_of(replicates, analysis.index, judgement, quality, folder))
+            all.rows.push_back(std::move(row));
+    }
+    for (TableRow& row : all.rows) {
+        const Components left_out = analysis.index.left_out_by(quality.scene, row.method).components;
+        row.components_missing = light.holding_light(left_out);
+        row.is_unbiased = is_unbiased(row, left_out);
+        drop_intervals_of_equal_images(row, equal.count(row.method) > 0);
+    }
+    all.unjudged = light.holding_light(Components(reference.unresolved));
+    return all;
+}
+
+/// Leaves the contradicted components of a reference unresolved, and warns of them.
+void drop_contradicted(const IndexScene& scene, const SceneRows& rows, Reference& reference, Analysis& analysis) {
+    const double error = analysis.references.back().relative_error;
+    for (const auto& [component, found] : rows.contradictions) {
+        reference.unresolved.push_back(component);
+        analysis.warnings.push_back(
+            {.kind = Warning::Kind::reference_contradicted,
+             .scene = scene.name,
+             .layer = layer_of(component),
+             .sentence = fmt::format(
+                 "the reference is wrong: {} finds {}; {} is not judged, nor is the time in which the whole image "
+                 "reaches an error, which was measured with it",
+                 found.first, found.second.text(), name_of(component)),
+             .command = fmt::format("gibench reference '{}' --seed 2 --target {:.2g}% -o '{}.exr'", scene.path,
+                                    50 * error, scene.name)});
     }
 }
 
@@ -264,62 +289,30 @@ void drop_times(TableRow& row) {
     row.last_halving.reset();
 }
 
-/// The rows of all methods of a scene. Returns whether an image has light in it.
-bool add_rows(const IndexScene& scene, const Reference& reference, const std::vector<std::string>& folders,
-              const ResultFolder& folder, Analysis& analysis) {
-    const Judgement judgement(reference);
-    const std::size_t first = analysis.cells.size() - folders.size(), first_row = analysis.rows.size();
-    ReferenceQuality& quality = analysis.references.back();
-    SceneLight light(reference);
-    bool is_lit = !is_black(reference.total.mean);
-    std::map<std::string, bool> totals_are_equal;
-    for (const auto& method : analysis.index.methods) {
-        Replicates replicates;
-        for (std::size_t i = 0; i < folders.size(); ++i) {
-            const Cell& cell = analysis.cells[first + i];
-            if (cell.method != method) continue;
-            replicates.cells.push_back(&cell);
-            replicates.folders.push_back(folders[i]);
-            const LayeredImage file = read_image(folder.cell_image(folders[i]));
-            replicates.images.push_back(components_in(file));
-            replicates.totals.push_back(judgement.total_of(file));
-            is_lit = is_lit || !is_black(file.find("") ? *file.find("") : replicates.totals.back());
-        }
-        if (replicates.cells.empty()) continue;
-        totals_are_equal[method] = are_equal(replicates.totals);
-        light.add(replicates.images, components_missing(analysis.index, scene.name, method));
-        for (auto& row : rows_of(replicates, analysis.index, judgement, quality, folder))
-            analysis.rows.push_back(std::move(row));
-    }
-    for (std::size_t i = first_row; i < analysis.rows.size(); ++i) {
-        TableRow& row = analysis.rows[i];
-        const Components left_out = components_missing(analysis.index, scene.name, row.method);
-        row.components_missing = light.holding_light(left_out);
-        row.is_unbiased = is_unbiased(row, left_out);
-        drop_intervals_of_equal_images(row, totals_are_equal.at(row.method));
-    }
-    quality.unjudged = light.holding_light(Components(reference.unresolved));
-    return is_lit;
-}
-
 void add_scene(const IndexScene& scene, Reference reference, const ResultFolder& folder, Analysis& analysis) {
-    const auto folders = add_cells(scene, folder, analysis);
-    const std::size_t unresolved = reference.unresolved.size();
-    drop_contradicted(scene, reference, folders, folder, analysis);
-    const bool is_contradicted = reference.unresolved.size() > unresolved;
-    const Judgement judgement(reference);
-    analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
-    if (!add_rows(scene, reference, folders, folder, analysis) && !folders.empty())
-        return drop_dark_scene(scene.name, analysis);
+    add_cells(scene, folder, analysis);
+    const auto judge = [&](const Judgement& judgement) {
+        analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
+        return rows_of_scene(analysis.references.back(), reference, judgement, folder, analysis);
+    };
+    SceneRows rows = judge(Judgement(reference));
+    const bool is_contradicted = !rows.contradictions.empty();
+    if (is_contradicted) {
+        drop_contradicted(scene, rows, reference, analysis);
+        analysis.references.pop_back();
+        rows = judge(Judgement(reference));
+    }
+    analysis.references.back().unjudged = rows.unjudged;
+    for (TableRow& row : rows.rows) {
+        if (is_contradicted && row.layer == Layer::total) drop_times(row);
+        analysis.rows.push_back(std::move(row));
+    }
+    if (!rows.is_lit && !cells_by_method(analysis, scene.name).empty()) return drop_dark_scene(scene.name, analysis);
     for (auto& warning : {unlike_processors(analysis.cells, scene.name),
                           busy_machine(analysis, scene.name, experiment_file_of(folder))})
         if (warning) analysis.warnings.push_back(*warning);
-    if (is_contradicted) {
-        for (TableRow& row : analysis.rows)
-            if (row.scene == scene.name && row.layer == Layer::total) drop_times(row);
-        return;
-    }
-    for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, judgement, folder))
+    if (is_contradicted) return;
+    for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, Judgement(reference), folder))
         analysis.looks.push_back(std::move(look));
 }
 

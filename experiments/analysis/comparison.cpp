@@ -13,12 +13,6 @@ namespace gib {
 
 namespace {
 
-/// A relative RMSE from a squared error; one in the reference's own noise is not resolved.
-Field error_field(double error2, double noise_floor) {
-    if (error2 > noise_floor) return measured(error2, Unit::root);
-    return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
-}
-
 /// The contests over the totals of the scenes in which a method can be best.
 std::vector<std::pair<std::string, Contest>> contests_of(const Analysis& analysis) {
     std::vector<std::pair<std::string, Contest>> contests;
@@ -27,17 +21,6 @@ std::vector<std::pair<std::string, Contest>> contests_of(const Analysis& analysi
         if (contest.methods() > 1 && contest.is_judged()) contests.emplace_back(scene, std::move(contest));
     }
     return contests;
-}
-
-/// The methods that cannot be told from one of them.
-std::vector<std::string> ties_with(const std::string& method, const std::vector<Contender>& ranking) {
-    std::vector<std::string> ties;
-    const auto own = std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
-    for (const Contender& c : ranking)
-        if (c.method != method && c.is_complete && c.known == Contender::Known::equal && !c.values.empty() &&
-            !are_told_apart(own->values, c.values) && !are_told_apart(c.values, own->values))
-            ties.push_back(c.method);
-    return ties;
 }
 
 std::optional<double> positive_number(const std::string& text) {
@@ -103,7 +86,7 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
             if (!contest.is_judged()) continue;
             const double seconds = contest.equal_time();
             auto ranking = contest.after(seconds);
-            if (ranking.size() - those(ranking, Standing::no_image).size() < 2) continue;
+            if (ranking.size() < 2 || ranking[1].standing == Standing::no_image) continue;
             rows.push_back({scene, layer, seconds, std::move(ranking), contest.noise_floor()});
         }
     return rows;
@@ -112,31 +95,24 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis) {
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
     std::vector<FrontierPoint> frontier;
     for (const auto& [scene, contest] : contests_of(analysis)) {
-        std::vector<std::tuple<double, double, FrontierPoint>> points;
+        std::map<std::pair<double, double>, FrontierPoint> points;  // by time and squared error
         for (const auto& [method, cells] : contest.cells())
             for (const MeanPoint& point : mean_curve(cells, Layer::total)) {
                 const double error2 = sample_mean(point.relative).value;
-                points.emplace_back(point.seconds, std::max(error2, contest.noise_floor()),
-                                    FrontierPoint{.scene = scene,
-                                                  .method = method,
-                                                  .least_passes = point.least_passes,
-                                                  .most_passes = point.most_passes,
-                                                  .seconds = point.seconds,
-                                                  .relative_rmse = error_field(error2, contest.noise_floor()),
-                                                  .ties = {},
-                                                  .open = {},
-                                                  .one_seed = point.relative.size() < 2});
+                if (std::isnan(error2)) continue;
+                points.try_emplace({point.seconds, std::max(error2, contest.noise_floor())},
+                                   FrontierPoint{.scene = scene,
+                                                 .method = method,
+                                                 .least_passes = point.least_passes,
+                                                 .most_passes = point.most_passes,
+                                                 .seconds = point.seconds,
+                                                 .relative_rmse = resolved({error2, {}}, contest.noise_floor())});
             }
-        std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-            return std::pair(std::get<0>(a), std::get<1>(a)) < std::pair(std::get<0>(b), std::get<1>(b));
-        });
         double best = std::numeric_limits<double>::infinity();
-        for (auto& [seconds, error2, point] : points) {
-            if (!(error2 < best)) continue;
-            best = error2;
-            const auto ranking = contest.after(seconds);
-            point.ties = ties_with(point.method, ranking);
-            point.open = those(ranking, Standing::open);
+        for (auto& [place, point] : points) {
+            if (!(place.second < best)) continue;
+            best = place.second;
+            point.doubts = doubts_about(point.method, contest.after(point.seconds));
             frontier.push_back(std::move(point));
         }
     }

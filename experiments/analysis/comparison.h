@@ -26,11 +26,9 @@ std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 struct FrontierPoint {
     std::string scene, method;
     std::uint32_t least_passes, most_passes;
-    double seconds;                 ///< mean over the seeds
-    Field relative_rmse;            ///< of the total
-    std::vector<std::string> ties;  ///< methods that cannot be told from this one at that time
-    std::vector<std::string> open;  ///< methods that were not run until then
-    bool one_seed;
+    double seconds;       ///< mean over the seeds
+    Field relative_rmse;  ///< of the total
+    Doubts doubts = {};   ///< at that time
 };
 /// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose light is
 /// judged completely. Points are
@@ -45,10 +43,9 @@ struct Crossover {
     /// 95 % interval of `seconds`, by the delete-one jackknife over the seeds of both methods in log(time). Empty
     /// below 3 seeds, or if `method` does not pass `before` in one of the means that leave out a seed.
     std::optional<Interval> interval = std::nullopt;
-    Field relative_rmse = {};            ///< of `method` at that time
-    std::vector<std::string> ties = {};  ///< methods that are never told from it, until the next change or its end
-    bool one_seed = false;
-    std::vector<std::string> open = {};  ///< methods that were not run until then, of which nothing is known
+    Field relative_rmse = {};  ///< of `method` at that time
+    /// Methods that are never told from it until the next change or its end, and those whose runs ended before that.
+    Doubts doubts = {};
     /// The end of the best method's run [s], if it comes before those of others: who is best then is not known. `method`
     /// is empty in such a row.
     bool ends = false;

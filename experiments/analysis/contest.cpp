@@ -14,6 +14,7 @@ namespace {
 
 /// A run counts as ended at a time that it missed by no more than this share of its own, because runs end with a pass.
 constexpr double end_slack = 0.02;
+constexpr double least_error2 = 1e-30;  // has a logarithm, unlike 0
 
 }  // namespace
 
@@ -39,30 +40,34 @@ Contender Contest::contender(const std::string& method, const Runs& cells) const
     const TableRow* row = analysis_.row(scene_, method, layer_);
     return {
         .method = method,
-        .values = {},
         .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
         .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
         .first_image = first_image_of_all(cells)};
 }
 
-std::vector<double> Contest::above_noise(std::vector<double> errors2) const {
-    if (!errors2.empty() && sample_mean(errors2).value <= noise_floor_)
-        std::fill(errors2.begin(), errors2.end(), noise_floor_);
-    return errors2;
+void Contest::set_errors(Contender& contender, const Runs& cells, double seconds) const {
+    const auto errors2 = errors2_by(cells, layer_, seconds);
+    if (errors2.empty()) return;
+    const double mean = sample_mean(errors2).value;
+    const bool is_resolved = !(mean <= noise_floor_);
+    contender.mean = is_resolved ? mean : noise_floor_;
+    for (const double error2 : errors2)
+        contender.logs.push_back(std::log(std::max({is_resolved ? error2 : noise_floor_, noise_floor_, least_error2})));
 }
 
 void Contest::extrapolate(Contender& contender, double seconds) const {
     contender.known = Contender::Known::upper_bounds;
     const TableRow* row = analysis_.row(scene_, contender.method, layer_);
     if (!row || !row->law || !law_reaches(*row->law, seconds)) return;
-    contender.by_law = row->law->error2_after(seconds, row->is_unbiased).interval;
+    if (const auto error2 = row->law->error2_after(seconds, row->is_unbiased).interval)
+        contender.by_law = Interval{std::log(std::max(error2->lo, 0.0)), std::log(std::max(error2->hi, 0.0))};
 }
 
 std::vector<Contender> Contest::after(double seconds) const {
     std::vector<Contender> contenders;
     for (const auto& [method, cells] : methods_) {
         Contender c = contender(method, cells);
-        c.values = above_noise(errors2_by(cells, layer_, seconds));
+        set_errors(c, cells, seconds);
         if (c.ended < (1 - end_slack) * seconds) extrapolate(c, seconds);
         contenders.push_back(std::move(c));
     }
@@ -79,8 +84,9 @@ std::vector<Contender> Contest::to_error(std::size_t target) const {
         for (const auto& curve : error_curves(cells, layer_)) {
             const auto time = is_target_resolved(target, noise_floor_) ? crossing_time(curve, error) : std::nullopt;
             if (!time) c.known = Contender::Known::lower_bounds;
-            c.values.push_back(std::log(time ? *time : curve.empty() ? 0 : curve.back().seconds));
+            c.logs.push_back(std::log(time ? *time : curve.empty() ? 0 : curve.back().seconds));
         }
+        c.mean = std::exp(sample_mean(c.logs).value);
         if (c.known == Contender::Known::lower_bounds) {
             const Field time = time_field(*row, target);
             constexpr double never = std::numeric_limits<double>::infinity();
@@ -98,7 +104,7 @@ std::vector<Contender> Contest::by_final_images() const {
     std::vector<Contender> contenders;
     for (const auto& [method, cells] : methods_) {
         Contender c = contender(method, cells);
-        c.values = above_noise(errors2_by(cells, layer_, std::numeric_limits<double>::infinity()));
+        set_errors(c, cells, std::numeric_limits<double>::infinity());
         contenders.push_back(std::move(c));
     }
     contenders = ranked(std::move(contenders));

@@ -26,7 +26,7 @@ public:
     /// By the squared error after `seconds`. Between two checkpoints, errors follow a power law of time. A method whose
     /// runs ended before is known by its law alone, unless it has converged. Errors below the noise floor are equal.
     std::vector<Contender> after(double seconds) const;
-    /// By the logarithm of the time to target_errors[target], in each seed. Of a seed that has not reached it, the whole
+    /// By the time to target_errors[target]. Of a seed that has not reached it, the whole
     /// time is a lower bound.
     std::vector<Contender> to_error(std::size_t target) const;
     /// By the squared error of the final images; for methods whose runs ended earlier than those of the best, by that of
@@ -37,8 +37,8 @@ private:
     Contender contender(const std::string& method, const Runs& cells) const;
     /// Sets what the law of a method says of its error after `seconds`.
     void extrapolate(Contender& contender, double seconds) const;
-    /// The errors, or the noise floor for each if their mean is not above it.
-    std::vector<double> above_noise(std::vector<double> errors2) const;
+    /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is that floor.
+    void set_errors(Contender& contender, const Runs& cells, double seconds) const;
 
     const Analysis& analysis_;
     std::string scene_;

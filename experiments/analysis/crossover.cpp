@@ -12,6 +12,8 @@ namespace {
 
 /// A change of the best method counts only if the new error is below this fraction of the old one.
 constexpr double least_lead = 0.95;
+/// Runs of one budget end with unlike passes, within this share of its time.
+constexpr double well_before = 0.9;
 
 /// The mean squared error of some runs as a function of time: infinite before all of them have an image, 0 unless it
 /// is above the noise floor.
@@ -61,11 +63,9 @@ std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve&
     }
     if (logs.empty()) return std::nullopt;
     const Interval interval = *jackknife(std::log(seconds), logs).interval;
+    // The first image of a method comes at one time, whatever seed is left out.
+    if (!(interval.hi - interval.lo > 1e-9)) return std::nullopt;
     return Interval{std::exp(interval.lo), std::exp(interval.hi)};
-}
-
-const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
-    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
 }
 
 /// The scan of one scene through the times of all checkpoints.
@@ -85,19 +85,21 @@ public:
             const auto ranking = contest_.after(times_[i]);
             const Contender* best = best_of(ranking);
             if (!best) continue;
-            if (changes_.empty()) add_change({.scene = scene_, .method = best->method, .seconds = times_[i]}, ranking);
+            if (changes_.empty()) add_change({.scene = scene_, .method = best->method, .seconds = times_[i]});
             const Contender& reigning = of_method(ranking, changes_.back().method);
             if (reigning.known != Contender::Known::equal && reigning.standing != Standing::behind) {
+                end_reign(reigning.ended);
                 changes_.push_back({.scene = scene_,
                                     .method = "",
                                     .before = reigning.method,
                                     .seconds = reigning.ended,
                                     .ends = true});
-                break;
+                return std::move(changes_);
             }
-            if (best->method != reigning.method && is_passed(reigning, *best, i)) pass(*best, i, ranking);
+            if (best->method != reigning.method && is_passed(reigning, *best, i)) pass(*best, i);
             compare_rivals(ranking);
         }
+        if (!changes_.empty()) end_reign(times_.back());
         return std::move(changes_);
     }
 
@@ -108,7 +110,7 @@ private:
         return std::sqrt(curve(best.method)(times_[i])) < least_lead * std::sqrt(curve(reigning.method)(times_[i]));
     }
 
-    void pass(const Contender& best, std::size_t i, const std::vector<Contender>& ranking) {
+    void pass(const Contender& best, std::size_t i) {
         const MeanCurve before = curve(changes_.back().method), after = curve(best.method);
         Crossover change{
             .scene = scene_, .method = best.method, .before = changes_.back().method, .seconds = times_[i]};
@@ -120,31 +122,34 @@ private:
             change.seconds = passing_time(before, after, times_[behind], times_[i]);
             change.interval = passing_interval(before, after, times_, change.seconds);
         }
-        add_change(std::move(change), ranking);
+        end_reign(change.seconds);
+        add_change(std::move(change));
     }
 
-    void add_change(Crossover change, const std::vector<Contender>& ranking) {
-        const double error2 = curve(change.method)(change.seconds), floor = contest_.noise_floor();
-        change.relative_rmse =
-            error2 > floor ? measured(error2, Unit::root) : Field{State::not_resolved, floor, std::nullopt, Unit::root};
-        for (const Contender& c : ranking)
-            if (c.method != change.method)
-                if (c.standing == Standing::open) change.open.push_back(c.method);
-        change.one_seed = contest_.cells().at(change.method).size() < 2;
+    void add_change(Crossover change) {
+        change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
+        change.doubts.one_seed = contest_.cells().at(change.method).size() < 2;
         changes_.push_back(std::move(change));
         told_apart_.clear();
+    }
+    /// Names the rivals whose runs had ended before the best method's time was over.
+    void end_reign(double seconds) {
+        Crossover& now = changes_.back();
+        for (const Contender& c : contest_.after(seconds))
+            if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
+                now.doubts.open.push_back(c.method);
     }
     /// A rival ties until there is a time from which on the best method is told apart from it.
     void compare_rivals(const std::vector<Contender>& ranking) {
         Crossover& now = changes_.back();
         const Contender& own = of_method(ranking, now.method);
         for (const Contender& c : ranking) {
-            if (c.method == now.method || !c.is_complete || c.values.empty() || c.known != Contender::Known::equal)
+            if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
-            if (are_told_apart(own.values, c.values)) told_apart_.insert(c.method);
-            const auto found = std::find(now.ties.begin(), now.ties.end(), c.method);
-            if (told_apart_.count(c.method) == 0 && found == now.ties.end()) now.ties.push_back(c.method);
-            if (told_apart_.count(c.method) > 0 && found != now.ties.end()) now.ties.erase(found);
+            if (are_told_apart(own, c)) told_apart_.insert(c.method);
+            const auto found = std::find(now.doubts.ties.begin(), now.doubts.ties.end(), c.method);
+            if (told_apart_.count(c.method) == 0 && found == now.doubts.ties.end()) now.doubts.ties.push_back(c.method);
+            if (told_apart_.count(c.method) > 0 && found != now.doubts.ties.end()) now.doubts.ties.erase(found);
         }
     }
 

@@ -62,17 +62,12 @@ std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std:
         const Cell& first = *cells.front();
         const Checkpoint image =
             mean_seconds(cells) <= seconds ? first.last() : image_by(stored_images(first, folder), seconds);
-        EqualTimeLook look{.scene = scene,
-                           .method = method,
-                           .seconds = seconds,
-                           .first_seconds = first_image_of_all(cells),
-                           .passes = image.passes,
-                           .image_seconds = image.seconds,
-                           .is_final = image.passes == first.last().passes};
-        if (const auto errors2 = errors2_by(cells, Layer::total, seconds); !errors2.empty())
-            look.error2 = sample_mean(errors2).value;
-        if (!judgement.is_empty()) look.flip = flip_of(first, image.passes, judgement, folder);
-        looks.push_back(std::move(look));
+        looks.push_back({.scene = scene,
+                         .method = method,
+                         .passes = image.passes,
+                         .seconds = image.seconds,
+                         .is_final = image.passes == first.last().passes});
+        if (!judgement.is_empty()) looks.back().flip = flip_of(first, image.passes, judgement, folder);
     }
     return looks;
 }

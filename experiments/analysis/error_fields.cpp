@@ -7,6 +7,12 @@
 
 namespace gib {
 
+double least_resolved(const ReferenceLayer& layer, const Denominators& denominators) {
+    const double variance = denominators.variance_of(layer).variance.variance;
+    const double floor = noise_floor_of(layer, denominators);
+    return std::isfinite(variance) ? std::max(floor, 2 * std::sqrt(variance)) : floor;
+}
+
 std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
     if (!row.statistics) return std::nullopt;
     const auto& s = *row.statistics;
@@ -18,9 +24,7 @@ std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
 
 Field relative_error_field(const TableRow& row) {
     if (!row.statistics) return {State::not_judged};
-    if (row.statistics->rel_mse_corrected <= row.noise_floor)
-        return {State::not_resolved, row.noise_floor, std::nullopt, Unit::root};
-    return measured(*corrected_rel_mse(row), Unit::root);
+    return resolved(*corrected_rel_mse(row), row.noise_floor);
 }
 
 Field bias2_field(const TableRow& row) {

@@ -7,6 +7,9 @@
 
 namespace gib {
 
+/// The squared error that a reference's layer resolves: its noise floor, and at least twice the standard error of its own
+/// variance, which is subtracted from errors. Where few groups have the bright pixels, this is more.
+double least_resolved(const ReferenceLayer& layer, const Denominators& denominators);
 /// rel_mse with its interval, less the reference's own variance; unclipped.
 std::optional<Estimate> corrected_rel_mse(const TableRow& row);
 /// The same, not resolved where it is not above the noise floor.

@@ -21,7 +21,6 @@ enum class State {
     unbiased,        ///< 0 by theory
     not_resolved,    ///< below `value`, the reference's own noise
     cannot_be_told,  ///< the seeds do not tell
-    not_run_longer,  ///< the run ended after `value` seconds
     no_image,        ///< none by then; the first after `value` seconds
     not_judged,      ///< by this reference
 };
@@ -49,6 +48,11 @@ inline Field measured(const Estimate& e, Unit unit = Unit::number) {
     return {State::measured, e.value, e.interval, unit};
 }
 inline Field measured(double value, Unit unit = Unit::number) { return {State::measured, value, std::nullopt, unit}; }
+/// A relative RMSE from its square; one in the reference's own noise is not resolved.
+inline Field resolved(const Estimate& error2, double noise_floor) {
+    if (error2.value <= noise_floor) return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
+    return measured(error2, Unit::root);
+}
 /// An estimate of what cannot be negative: an upper bound where its interval reaches 0.
 inline Field positive(const Estimate& e, Unit unit = Unit::number) {
     if (e.interval && !(e.interval->lo > 0)) return {State::below, e.interval->hi, std::nullopt, unit};

@@ -65,8 +65,6 @@ std::vector<Warning> disagreements(const UnresolvedRows& groups) {
     return warnings;
 }
 
-bool has(const TableRow& row, FootingVerdict verdict) { return row.footing && row.footing->verdict == verdict; }
-
 }  // namespace
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {
@@ -86,15 +84,15 @@ std::vector<Warning> footing_warnings(const Analysis& analysis) {
                             .sentence = fmt::format("{}{}: {}", row.method, what, component_text(row))});
     };
     for (const TableRow& row : analysis.rows)
-        if (has(row, FootingVerdict::differs))
+        if (row.has_verdict(FootingVerdict::differs))
             add(differing, row, Warning::Kind::energy_differs,
                 (row.effects_missing.empty() ? "" : ", which leaves out " + words_of(row.effects_missing) + ",") +
                     " differs from the reference in mean energy");
     last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        if (!has(row, FootingVerdict::unresolved)) continue;
-        // A method that leaves out light of the component differs for a reason that is known.
-        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer))
+        if (!row.has_verdict(FootingVerdict::unresolved)) continue;
+        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing.
+        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer) && row.footing->excess.interval)
             groups[{row.scene, row.layer}].push_back(&row);
         add(unresolved, row, Warning::Kind::energy_unknown,
             fmt::format(" cannot be told within {:.0f} %", 100 * footing_tolerance));

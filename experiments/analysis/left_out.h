@@ -1,18 +1,22 @@
 #pragma once
-// Effects and components that methods leave out, as sets and in words.
+// Effects and components that methods leave out, in words.
 
 #include "common/scene/effects.h"
 #include "experiments/results/layer.h"
 
+#include <algorithm>
 #include <string>
 
 namespace gib {
 
-/// The effects whose names stand in a text, separated by `;`. Names of no effect are left out.
-Effects effects_named(const std::string& names);
-/// "specular reflection, refraction"
-std::string words_of(const Effects& effects);
-/// "caustic, indirect"
-std::string words_of(const Components& components);
+/// The members of a set of effects or components: "specular reflection, refraction".
+template <typename Set>
+std::string words_of(const Set& members, const std::string& quote = "") {
+    std::string text;
+    for (const auto member : members.list())
+        text += (text.empty() ? "" : ", ") + quote + std::string(name_of(member)) + quote;
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
 
 }  // namespace gib

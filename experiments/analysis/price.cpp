@@ -131,4 +131,14 @@ Field floor_field(const TableRow& row) {
     return positive(row.law->floor, Unit::root);
 }
 
+Field floor_bias_field(const TableRow& row) {
+    if (!floor_field(row).is_measured() || !row.statistics) return {};
+    const auto& bias2 = row.statistics->rel_bias2;
+    const double floor = row.law->floor.value;
+    if (!bias2 || !bias2->interval || (bias2->interval->lo <= 0 && bias2->interval->hi >= floor))
+        return {State::cannot_be_told};
+    const auto part = [&](double value) { return std::clamp(value, 0.0, floor); };
+    return positive({part(bias2->value), Interval{part(bias2->interval->lo), part(bias2->interval->hi)}}, Unit::root);
+}
+
 }  // namespace gib

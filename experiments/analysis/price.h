@@ -38,5 +38,7 @@ Field time_field(const TableRow& row, std::size_t target);
 Field next_halving_field(const TableRow& row);
 /// The floor of the law, as a squared error.
 Field floor_field(const TableRow& row);
+/// The part of a resolved floor that is bias^2, with the interval of the final images' bias^2.
+Field floor_bias_field(const TableRow& row);
 
 }  // namespace gib

@@ -28,7 +28,7 @@ std::string sign_of(const Runs& cells) {
     const auto& longest = **std::max_element(cells.begin(), cells.end(),
                                              [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
     if (waited(longest) > largest_wait)
-        return fmt::format("threads waited for {:.0f} % of the time that they ran", 100 * waited(longest));
+        return fmt::format("threads waited {:.2g} s for each second that they ran", waited(longest));
     double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
     std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
     for (const Cell* cell : cells) {

@@ -1,7 +1,5 @@
 #include "experiments/analysis/ranking.h"
 
-#include "experiments/metrics/student_t.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,39 +9,55 @@ namespace gib {
 
 namespace {
 
-bool counts(const Contender& c) { return c.is_complete && !c.values.empty() && c.known == Contender::Known::equal; }
+bool counts(const Contender& c) { return c.is_complete && !c.logs.empty() && c.known == Contender::Known::equal; }
 
-/// The upper end of the interval of a mean; infinite for one value.
-double upper_end(const std::vector<double>& values) {
-    const SampleMean mean = sample_mean(values);
-    const double half = values.size() > 1 ? half_width({mean.variance}, tie_tail) : NAN;
-    return std::isfinite(half) ? mean.value + half : std::numeric_limits<double>::infinity();
+/// Sets what the seeds of all contenders together tell of the scatter of each.
+void set_scatter(std::vector<Contender>& contenders) {
+    double sum = 0, degrees = 0;
+    for (Contender& c : contenders) {
+        const SampleMean mean = sample_mean(c.logs);
+        c.log_mean = mean.value;
+        c.scatter = {mean.variance};
+        if (c.known == Contender::Known::lower_bounds || !std::isfinite(mean.variance.variance)) continue;
+        sum += mean.variance.degrees * mean.variance.variance * static_cast<double>(c.logs.size());
+        degrees += mean.variance.degrees;
+    }
+    for (Contender& c : contenders) {
+        if (degrees == 0 || !std::isfinite(c.scatter[0].variance)) continue;
+        const VarianceTerm pooled{sum / degrees / static_cast<double>(c.logs.size()), degrees};
+        c.scatter[0].variance = std::max(c.scatter[0].variance - pooled.variance, 0.0);
+        c.scatter.push_back(pooled);
+    }
+}
+
+/// The upper end of the interval of a contender's logarithm; infinite for one seed.
+double upper_end(const Contender& c) {
+    const double half = half_width(c.scatter, tie_tail);
+    return std::isfinite(half) ? c.log_mean + half : std::numeric_limits<double>::infinity();
 }
 
 Standing standing_beside(const Contender& best, const Contender& c) {
-    if (c.values.empty()) return Standing::no_image;
+    if (c.logs.empty()) return Standing::no_image;
     if (!c.is_complete) return Standing::incomplete;
-    if (c.known == Contender::Known::equal)
-        return are_told_apart(best.values, c.values) ? Standing::behind : Standing::tie;
-    const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best.values);
-    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best.values, c.values);
+    if (c.known == Contender::Known::equal) return are_told_apart(best, c) ? Standing::behind : Standing::tie;
+    const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best);
+    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
     return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;
 }
 
 }  // namespace
 
-double Contender::mean() const { return sample_mean(values).value; }
-
-bool are_told_apart(const std::vector<double>& better, const std::vector<double>& worse) {
-    if (better.size() < 2 || worse.size() < 2) return false;
-    const SampleMean a = sample_mean(better), b = sample_mean(worse);
-    return b.value - a.value > half_width({a.variance, b.variance}, tie_tail);
+bool are_told_apart(const Contender& better, const Contender& worse) {
+    std::vector<VarianceTerm> terms = better.scatter;
+    terms.insert(terms.end(), worse.scatter.begin(), worse.scatter.end());
+    return better.mean < worse.mean && worse.log_mean - better.log_mean > half_width(terms, tie_tail);
 }
 
 std::vector<Contender> ranked(std::vector<Contender> contenders) {
+    set_scatter(contenders);
     const auto key = [](const Contender& c) {
-        const double mean = c.values.empty() ? c.first_image : c.mean();
-        return std::tuple(c.values.empty(), !c.is_complete, !counts(c), std::isnan(mean) ? INFINITY : mean);
+        const double mean = c.logs.empty() ? c.first_image : c.mean;
+        return std::tuple(c.logs.empty(), !c.is_complete, !counts(c), std::isnan(mean) ? INFINITY : mean);
     };
     std::stable_sort(contenders.begin(), contenders.end(),
                      [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
@@ -51,7 +65,7 @@ std::vector<Contender> ranked(std::vector<Contender> contenders) {
     for (Contender& c : contenders) {
         if (has_best && &c != &contenders.front()) c.standing = standing_beside(contenders.front(), c);
         else if (!has_best)
-            c.standing = c.values.empty() ? Standing::no_image : c.is_complete ? Standing::open : Standing::incomplete;
+            c.standing = c.logs.empty() ? Standing::no_image : c.is_complete ? Standing::open : Standing::incomplete;
     }
     if (has_best) contenders.front().standing = Standing::best;
     return contenders;
@@ -61,11 +75,19 @@ const Contender* best_of(const std::vector<Contender>& ranking) {
     return !ranking.empty() && ranking.front().standing == Standing::best ? &ranking.front() : nullptr;
 }
 
-std::vector<std::string> those(const std::vector<Contender>& ranking, Standing standing) {
-    std::vector<std::string> methods;
-    for (const Contender& c : ranking)
-        if (c.standing == standing) methods.push_back(c.method);
-    return methods;
+const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
+    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
+}
+
+Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {
+    const Contender& own = of_method(ranking, method);
+    Doubts doubts{.one_seed = own.logs.size() == 1};
+    for (const Contender& c : ranking) {
+        if (c.method == method) continue;
+        if (c.standing == Standing::open) doubts.open.push_back(c.method);
+        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own)) doubts.ties.push_back(c.method);
+    }
+    return doubts;
 }
 
 }  // namespace gib

@@ -1,8 +1,15 @@
 #pragma once
 // Who is best: the one place that decides which method wins a comparison, which ones cannot be told from it, and of which
 // ones nothing is known there.
+//
+// Errors and times differ by factors, so that their logarithms are compared. Few seeds tell little of a method's own
+// scatter s_i^2 of these: with 3 seeds and 2 degrees of freedom t is 6.96 at 98 %. The methods of a comparison together
+// have D = sum (n_i - 1) degrees of freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally
+// noisy, though. So the mean of method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is
+// larger, besides it (s_i^2 - s^2) / n_i with its own n_i - 1. Of a light that no seed has met, scatter knows nothing.
 
 #include "experiments/metrics/statistics.h"
+#include "experiments/metrics/student_t.h"
 
 #include <optional>
 #include <string>
@@ -19,29 +26,31 @@ enum class Standing {
     no_image,
 };
 
-/// A method in a comparison of numbers of which the smaller is better: an error, or the logarithm of a time.
+/// A method in a comparison of numbers of which the smaller is better: a squared error or a time.
 struct Contender {
-    /// The relation of `values` to the numbers that are compared.
+    /// The relation of `mean` and `logs` to the numbers that are compared.
     enum class Known { equal, lower_bounds, upper_bounds };
 
     std::string method;
-    std::vector<double> values;  ///< one for each seed; empty: no image
+    double mean = 0;                ///< the number, by which contenders are ranked
+    std::vector<double> logs = {};  ///< its logarithm for each seed; empty: no image
     Known known = Known::equal;
-    bool is_complete = true;                 ///< whether it has all light
-    std::optional<Interval> by_law = {};     ///< where only bounds are known: 95 % interval of the number by its law
-    double ended = 0;                        ///< mean time of the runs [s]
-    double first_image = 0;                  ///< time after which all runs have an image [s]
-    Standing standing = Standing::no_image;  ///< set by ranked()
-
-    double mean() const;
+    bool is_complete = true;              ///< whether it has all light
+    std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
+    double ended = 0;                     ///< mean time of the runs [s]
+    double first_image = 0;               ///< time after which all runs have an image [s]
+    // Set by ranked():
+    Standing standing = Standing::no_image;
+    double log_mean = 0;                     ///< mean of `logs`
+    std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
 };
 
 /// The probability with which two methods of equal means are told apart. It is smaller than that of the intervals,
 /// because many pairs are compared.
 inline constexpr double tie_tail = 0.02;
 
-/// Whether the mean of `better` is below that of `worse` for sure (half_width()). One seed tells nothing.
-bool are_told_apart(const std::vector<double>& better, const std::vector<double>& worse);
+/// Whether `better` is smaller than `worse` for sure (half_width()). One seed tells nothing.
+bool are_told_apart(const Contender& better, const Contender& worse);
 
 /// The contenders in their order, with their standings: the complete ones whose numbers are known, by their means; those
 /// whose runs ended; those that leave out light; those without an image. A complete one whose number is known is best.
@@ -49,7 +58,14 @@ std::vector<Contender> ranked(std::vector<Contender> contenders);
 
 /// The first one if it is the best; null if none is.
 const Contender* best_of(const std::vector<Contender>& ranking);
-/// The methods with this standing, in their order.
-std::vector<std::string> those(const std::vector<Contender>& ranking, Standing standing);
+const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method);
+
+/// What a sentence about a method has to add.
+struct Doubts {
+    std::vector<std::string> ties = {};  ///< methods that cannot be told from it
+    std::vector<std::string> open = {};  ///< methods whose runs ended before this could be told
+    bool one_seed = false;
+};
+Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking);
 
 }  // namespace gib

@@ -5,7 +5,6 @@
 #include "experiments/metrics/reference_image.h"
 #include "experiments/results/layer.h"
 
-#include <array>
 #include <vector>
 
 namespace gib {
@@ -13,22 +12,34 @@ namespace gib {
 class SceneLight {
 public:
     /// Takes what the reference shows of the components that it resolves and of the others.
-    explicit SceneLight(const Reference& reference);
+    explicit SceneLight(const Reference& reference) {
+        const Components unresolved(reference.unresolved);
+        for (Component c : all_components)
+            if (const auto& layer = reference[c]) add(c, layer->mean, !unresolved.has(c));
+    }
     /// Adds the images of a method. `left_out` are the components of which it leaves out paths.
-    void add(const std::vector<ComponentImages>& images, const Components& left_out);
+    void add(const std::vector<ComponentImages>& images, const Components& left_out) {
+        for (const ComponentImages& image : images)
+            for (Component c : all_components)
+                if (image[c]) add(c, *image[c], !left_out.has(c));
+    }
 
-    /// Whether some image has light in this component.
-    bool is_seen(Component c) const { return seen_[static_cast<std::size_t>(index_of(c))]; }
-    /// Whether the component holds light: some image shows it, or no image has all of the component's paths, so that
+    /// Those of the components that hold light: some image shows it, or no image has all of the component's paths, so that
     /// none would show it.
-    bool may_hold_light(Component c) const { return is_seen(c) || !sampled_[static_cast<std::size_t>(index_of(c))]; }
-    /// Those of the components that hold light.
-    Components holding_light(const Components& components) const;
+    Components holding_light(const Components& components) const {
+        Components found;
+        for (const Component c : components.list())
+            if (seen_.has(c) || !sampled_.has(c)) found.add(c);
+        return found;
+    }
 
 private:
-    void add(Component c, const Image& image, bool has_all_paths);
+    void add(Component c, const Image& image, bool has_all_paths) {
+        if (has_all_paths) sampled_.add(c);
+        if (!seen_.has(c) && !is_black(image)) seen_.add(c);
+    }
 
-    std::array<bool, component_count> seen_{}, sampled_{};
+    Components seen_, sampled_;
 };
 
 }  // namespace gib

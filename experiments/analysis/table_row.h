@@ -57,18 +57,15 @@ struct TableRow {
 
     /// Whether the method has all light of the scene.
     bool is_complete() const { return effects_missing.empty() && components_missing.empty(); }
+    bool has_verdict(FootingVerdict verdict) const { return footing && footing->verdict == verdict; }
 };
 
-/// A method's stored image of a scene at the time at which all methods are compared (equal_time_look.h).
+/// Seed 1's last stored image of a scene by the time at which all methods are compared, or at most a tenth later; without an
+/// image by then, its first (equal_time_look.h).
 struct EqualTimeLook {
     std::string scene, method;
-    double seconds = 0;        ///< that time
-    double first_seconds = 0;  ///< time after which all seeds have an image
-    std::optional<double> error2 =
-        {};  ///< mean relative squared error of the seeds then, of the total; empty: no image
-    /// Passes of seed 1's last stored image by then, or at most a tenth later; without an image by then, its first.
     std::uint32_t passes = 0;
-    double image_seconds = 0;         ///< charged time of that image [s]
+    double seconds = 0;               ///< charged time of that image [s]
     bool is_final = false;            ///< whether that is the final image
     std::optional<double> flip = {};  ///< HDR-FLIP of that image, mean over the pixels
 };

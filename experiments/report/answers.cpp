@@ -19,14 +19,6 @@ namespace {
 
 std::string in_brackets(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
 
-/// "`caustic`, `indirect`"
-std::string quoted(const Components& components) {
-    std::string text;
-    for (const Component c : components.list())
-        text += fmt::format("{}`{}`", text.empty() ? "" : ", ", name_of(c));
-    return text;
-}
-
 std::optional<double> mean_error2(const Runs& cells, Layer layer, double seconds) {
     const auto errors2 = errors2_by(cells, layer, seconds);
     return errors2.empty() ? std::nullopt : std::optional(sample_mean(errors2).value);
@@ -41,7 +33,7 @@ public:
     std::vector<std::string> all() const {
         if (!contest_.is_judged() && contest_.methods() > 1)
             return {fmt::format("No method is the cheapest: the reference does not judge the light of {}.",
-                                quoted(analysis_.unjudged(scene_)))};
+                                words_of(analysis_.unjudged(scene_), "`"))};
         std::vector<std::string> answers;
         if (judged_methods() > 1)
             for (const std::size_t target : asked_targets) {
@@ -56,8 +48,7 @@ public:
         const auto ranking = contest_.to_error(target);
         if (const Contender* best = best_of(ranking)) {
             const std::string seconds = short_number(row(best->method).times[target]->value) + " s";
-            const std::string doubt = ranking.size() > 1 ? plain(doubts(ranking)) : "";
-            return {best->method, seconds + (doubt.empty() ? "" : ", " + doubt)};
+            return {best->method, seconds + (ranking.size() > 1 ? after_comma(doubts(ranking)) : "")};
         }
         if (!is_target_resolved(target, contest_.noise_floor())) return {"not resolved", ""};
         const auto closest = contest_.by_final_images();
@@ -66,7 +57,8 @@ public:
         // Its time by the fitted law, if there is one.
         const Field time = time_field(*first, target);
         const bool has_time = time.state == State::extrapolated || time.state == State::at_least;
-        return {"not reached", fmt::format("closest: {}{}", first->method, has_time ? ", " + line_of(time, " s") : "")};
+        return {"not reached", fmt::format("closest: {}{}{}", first->method, has_time ? ", " + line_of(time, " s") : "",
+                                           after_comma(doubts(closest)))};
     }
 
 private:
@@ -77,9 +69,9 @@ private:
             [&](const TableRow& r) { return r.scene == scene_ && r.layer == Layer::total && r.statistics; }));
     }
     /// The page's head has no code.
-    static std::string plain(std::string text) {
+    static std::string after_comma(std::string text) {
         std::erase(text, '`');
-        return text;
+        return text.empty() ? "" : ", " + text;
     }
 
     /// A text with the components' shares of the sum of their squared errors after `seconds`, largest first, without those
@@ -118,7 +110,7 @@ private:
                     in_brackets(error_kind(of));
         if (ended && std::isfinite(seconds)) text += ", and was not run longer";
         if (!of.effects_missing.empty()) text += ", leaves out " + words_of(of.effects_missing);
-        if (!of.components_missing.empty()) text += ", leaves out light of " + quoted(of.components_missing);
+        if (!of.components_missing.empty()) text += ", leaves out light of " + words_of(of.components_missing, "`");
         const std::string time = with_time ? line_of(time_field(of, target)) : "";
         return text + (time.empty() ? "." : fmt::format("; seconds to {} %: {}.", target_names[target], time));
     }
@@ -141,7 +133,7 @@ private:
     std::string with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
         const TableRow& winner = row(ranking.front().method);
         const Estimate& time = *winner.times[target];
-        const bool is_known = those(ranking, Standing::open).empty();
+        const bool is_known = doubts_about(winner.method, ranking).open.empty();
         std::string text = fmt::format("`{}` {} {} %{}: {} s", winner.method,
                                        is_known ? "is the cheapest at" : "is the first that was seen to reach",
                                        target_names[target], in_brackets(doubts(ranking)), with_interval(time));

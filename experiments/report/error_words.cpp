@@ -40,8 +40,9 @@ std::string error_kind(const TableRow& row) {
             return fmt::format("{}bias {} of the squared error",
                                share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
         case State::measured:
-            return share.value < 0.5 ? fmt::format("noise; bias is {} of the squared error, {}", value, detail)
-                                     : fmt::format("bias: {} of the squared error, {}", value, detail);
+            return share.interval->lo > 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
+                                            : fmt::format("{}noise; bias is {} of the squared error, {}",
+                                                          share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
         case State::cannot_be_told:
             return row.statistics->bias2 && row.statistics->bias2->interval ? "bias or noise: not resolved"
                                                                             : "bias or noise: two seeds would tell";
@@ -50,17 +51,16 @@ std::string error_kind(const TableRow& row) {
     }
 }
 
-std::string doubts(const std::vector<Contender>& ranking) {
-    const Contender* best = best_of(ranking);
-    if (!best) return "";
-    return doubts(those(ranking, Standing::tie), those(ranking, Standing::open), best->values.size() < 2);
+std::string words_of(const Doubts& doubts) {
+    std::string text;
+    if (!doubts.ties.empty()) text = doubts.one_seed ? "one seed does not tell" : "tie with " + named(doubts.ties);
+    if (!doubts.open.empty()) text += (text.empty() ? "not run longer: " : "; not run longer: ") + named(doubts.open);
+    return text;
 }
 
-std::string doubts(const std::vector<std::string>& ties, const std::vector<std::string>& open, bool one_seed) {
-    std::string text;
-    if (!ties.empty()) text = one_seed ? "one seed does not tell" : "tie with " + named(ties);
-    if (!open.empty()) text += fmt::format("{}not run longer: {}", text.empty() ? "" : "; ", named(open));
-    return text;
+std::string doubts(const std::vector<Contender>& ranking) {
+    const Contender* best = best_of(ranking);
+    return best ? words_of(doubts_about(best->method, ranking)) : "";
 }
 
 }  // namespace gib

@@ -17,9 +17,9 @@ std::string left_out(const TableRow& row);
 /// is declared unbiased and leaves out nothing: "noise: the method is unbiased". Empty if the layer is not judged.
 std::string error_kind(const TableRow& row);
 
-/// What a sentence about the best has to add: "tie with `a`, `b`", "one seed does not tell", "not run longer: `c`"; empty if it is told apart from all others.
+/// "tie with `a`, `b`", "one seed does not tell", "not run longer: `c`"; empty if there are none.
+std::string words_of(const Doubts& doubts);
+/// The same about the best; empty if there is none.
 std::string doubts(const std::vector<Contender>& ranking);
-/// The same of methods by their names.
-std::string doubts(const std::vector<std::string>& ties, const std::vector<std::string>& open, bool one_seed);
 
 }  // namespace gib

@@ -50,28 +50,19 @@ FieldText text_of(const Field& field, const std::string& unit) {
             return {"below " + number(field.value), ""};
         case State::some_seeds:
             return {"not by all seeds", fmt::format("by {:.0f} of {}", field.value, field.seeds)};
-        case State::not_reached:
-            return {"not reached", ""};
         case State::never:
             return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
         case State::unbiased:
             return {"0", "unbiased"};
-        case State::not_resolved:
-            return {
-                std::isnan(field.value) ? "not resolved" : fmt::format("below {}, not resolved", number(field.value)),
-                ""};
-        case State::cannot_be_told:
-            return {"cannot be told", ""};
-        case State::not_run_longer:
-            return {"not run longer", fmt::format("than {} s", short_number(field.value))};
         case State::no_image:
             return {fmt::format("no image yet; first after {} s", short_number(field.value)), ""};
-        case State::not_judged:
-            return {"not judged", ""};
-        case State::none:
+        case State::not_resolved:
+            if (!std::isnan(field.value)) return {fmt::format("below {}, not resolved", number(field.value)), ""};
+            break;
+        default:
             break;
     }
-    return {};
+    return {csv_state(field), ""};
 }
 
 std::string line_of(const Field& field, const std::string& unit) {
@@ -82,37 +73,11 @@ std::string line_of(const Field& field, const std::string& unit) {
 std::string csv_text(const Field& field) { return field.is_measured() ? csv_number(field.value) : ""; }
 
 std::string csv_state(const Field& field) {
-    switch (field.state) {
-        case State::measured:
-            return "measured";
-        case State::extrapolated:
-            return "extrapolated";
-        case State::at_least:
-            return "at least";
-        case State::below:
-            return "below";
-        case State::some_seeds:
-            return "some seeds";
-        case State::not_reached:
-            return "not reached";
-        case State::never:
-            return "never";
-        case State::unbiased:
-            return "unbiased";
-        case State::not_resolved:
-            return "not resolved";
-        case State::cannot_be_told:
-            return "cannot be told";
-        case State::not_run_longer:
-            return "not run longer";
-        case State::no_image:
-            return "no image";
-        case State::not_judged:
-            return "not judged";
-        case State::none:
-            break;
-    }
-    return "";
+    // In the order of State.
+    constexpr const char* names[] = {
+        "",      "measured", "extrapolated", "at least",       "below",    "some seeds", "not reached",
+        "never", "unbiased", "not resolved", "cannot be told", "no image", "not judged"};
+    return names[static_cast<std::size_t>(field.state)];
 }
 
 }  // namespace gib

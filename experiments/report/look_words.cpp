@@ -12,19 +12,16 @@ namespace gib {
 
 namespace {
 
-Field error_of(const EqualTimeLook& look, const TableRow& total) {
-    if (!look.error2) return {State::no_image, look.first_seconds};
-    if (!total.statistics) return {State::not_judged};
-    if (*look.error2 <= total.noise_floor) return {State::not_resolved, total.noise_floor, std::nullopt, Unit::root};
-    return measured(*look.error2, Unit::root);
+Field error_of(const Contender& c, const TableRow& total) {
+    if (c.logs.empty()) return {State::no_image, c.first_image};
+    return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::not_judged};
 }
 
 /// The layers whose mean energy differs from the reference's, "total, caustic".
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;
     for (const TableRow& row : analysis.rows)
-        if (row.scene == look.scene && row.method == look.method && row.footing &&
-            row.footing->verdict == FootingVerdict::differs)
+        if (row.scene == look.scene && row.method == look.method && row.has_verdict(FootingVerdict::differs))
             names += (names.empty() ? "" : ", ") + std::string(name_of(row.layer));
     return names;
 }
@@ -48,28 +45,29 @@ std::string beside_text(const std::vector<Contender>& ranking, const Contender& 
 
 }  // namespace
 
-std::vector<LookWords> look_words(const Analysis& analysis, const std::string& scene) {
-    std::vector<LookWords> all;
+SceneLook scene_look(const Analysis& analysis, const std::string& scene) {
     const Contest contest(analysis, scene);
-    if (contest.methods() == 0) return all;
-    const auto ranking = contest.after(contest.equal_time());
+    if (contest.methods() == 0) return {};
+    SceneLook all{contest.equal_time()};
+    const auto ranking = contest.after(all.seconds);
+    const bool has_best = contest.is_judged() && ranking.size() > 1;
     for (const Contender& c : ranking) {
         const auto look = std::find_if(analysis.looks.begin(), analysis.looks.end(),
                                        [&](const auto& l) { return l.scene == scene && l.method == c.method; });
         const TableRow* total = analysis.row(scene, c.method, Layer::total);
         if (look == analysis.looks.end() || !total) continue;
-        LookWords words{.look = *look, .error = error_of(*look, *total), .kind = error_kind(*total)};
-        if (contest.is_judged() && ranking.size() > 1) {
-            words.beside = beside_text(ranking, c);
-            words.is_best = c.standing == Standing::best;
-            words.is_tie = c.standing == Standing::tie;
-        }
-        if (look->flip && look->error2) words.flip = measured(*look->flip);
-        words.missing = left_out(*total);
-        words.energy = different_energy(analysis, *look);
-        words.shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "", look->passes,
-                                  look->passes == 1 ? "" : "es", short_number(look->image_seconds));
-        all.push_back(std::move(words));
+        const bool is_late = c.standing == Standing::no_image;
+        all.methods.push_back(
+            {.look = *look,
+             .standing = has_best || is_late ? c.standing : Standing::open,
+             .error = error_of(c, *total),
+             .beside = has_best ? beside_text(ranking, c) : "",
+             .flip = look->flip && !is_late ? measured(*look->flip) : Field{},
+             .kind = error_kind(*total),
+             .missing = left_out(*total),
+             .energy = different_energy(analysis, *look),
+             .shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "", look->passes,
+                                  look->passes == 1 ? "" : "es", short_number(look->seconds))});
     }
     return all;
 }

@@ -5,7 +5,6 @@
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
-#include "experiments/report/photon_links.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
@@ -15,11 +14,13 @@
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
 #include "experiments/text/template_text.h"
+#include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 namespace gib {
@@ -122,9 +123,9 @@ data cheapest_data(const std::string& scene, const Analysis& analysis) {
 }
 
 /// The images of a scene at equal time, which the report's script draws beside these words.
-data looks_data(const Analysis& analysis, const std::string& scene) {
+data looks_data(const Analysis& analysis, const SceneLook& look) {
     list looks;
-    for (const LookWords& words : look_words(analysis, scene))
+    for (const LookWords& words : look.methods)
         looks.push_back(object{{"method", words.look.method},
                                {"attribute", html_escape(words.look.method)},
                                {"color", color_of(analysis, words.look.method)},
@@ -132,23 +133,15 @@ data looks_data(const Analysis& analysis, const std::string& scene) {
                                {"passes", std::to_string(words.look.passes)},
                                {"error", line_of(words.error, words.error.is_measured() ? " %" : "")},
                                {"beside", optional_text(words.beside)},
-                               {"flip", words.look.error2 ? optional_text(line_of(words.flip)) : data(false)},
+                               {"flip", optional_text(line_of(words.flip))},
                                {"kind", optional_text(words.kind)},
                                {"missing", optional_text(words.missing)},
                                {"energy", optional_text(words.energy)},
                                {"shown", words.shown},
-                               {"late", !words.look.error2},
-                               {"tie", words.is_tie},
-                               {"best", words.is_best}});
+                               {"late", words.standing == Standing::no_image},
+                               {"tie", words.standing == Standing::tie},
+                               {"best", words.standing == Standing::best}});
     return looks;
-}
-
-/// The time after which the methods of a scene are compared [s].
-std::string look_seconds(const Analysis& analysis, const std::string& scene) {
-    double seconds = INFINITY;
-    for (const EqualTimeLook& look : analysis.looks)
-        if (look.scene == scene) seconds = std::min(seconds, look.seconds);
-    return short_number(seconds);
 }
 
 data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all, const Analysis& analysis) {
@@ -159,7 +152,8 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
         else if (section.kind != Section::Kind::looks && section.kind != Section::Kind::warnings)
             tables.push_back(section);
     const data tables_of_scene = sections_data(tables, analysis, of_scene);
-    const data looks = looks_data(analysis, quality.scene);
+    const SceneLook look = scene_look(analysis, quality.scene);
+    const data looks = looks_data(analysis, look);
     return object{{"scene", quality.scene},
                   {"number", std::to_string(&quality - analysis.references.data())},
                   {"attribute", html_escape(quality.scene)},
@@ -174,7 +168,7 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
                   {"looks", looks},
                   {"look", looks.is_non_empty_list()},
                   {"many", looks.list_value().size() > 7},
-                  {"look_seconds", look_seconds(analysis, quality.scene)},
+                  {"look_seconds", short_number(look.seconds)},
                   {"words", sections_data(words, analysis, of_scene)},
                   {"tables", tables_of_scene}};
 }
@@ -222,14 +216,24 @@ data page_data(const Analysis& analysis) {
 
 /// Links to the pages of stored light, and the first command that makes one which is not there.
 void add_photon_links(data& page, const Analysis& analysis, const ResultFolder& folder) {
+    namespace fs = std::filesystem;
     list pages;
     std::string command;
-    for (const PhotonLink& link : photon_links(analysis.index, folder)) {
-        if (!link.page.empty())
-            pages.push_back(
-                object{{"photon_scene", link.scene}, {"photon_method", link.method}, {"href", html_escape(link.page)}});
-        else if (command.empty()) command = html_escape(link.command);
-    }
+    const auto names = names_of_methods_that_store_light();
+    for (const IndexScene& scene : analysis.index.scenes)
+        for (const std::string& method : analysis.index.methods) {
+            if (std::find(names.begin(), names.end(), MethodLabel::parse(method).name) == names.end()) continue;
+            fs::path file = folder.method_image(scene.name, method);
+            file.replace_extension();  // without the image's ending
+            file += "-photons.html";
+            if (fs::exists(file))
+                pages.push_back(object{{"photon_scene", scene.name},
+                                       {"photon_method", method},
+                                       {"href", html_escape("images/" + file.filename().string())}});
+            else if (command.empty())
+                command = html_escape(
+                    fmt::format("gibench photons '{}' --method '{}' -o '{}'", scene.path, method, file.string()));
+        }
     page["stores_light"] = data(!pages.empty() || !command.empty());
     page["photon_pages"] = pages;
     page["photon_command"] = optional_text(command);

@@ -96,18 +96,10 @@ std::string bias_state(const TableRow& row) {
     return row.is_unbiased ? "unbiased" : "measured";
 }
 
-std::string passes_of(const TableRow& row) {
-    if (row.most_passes == 0) return "";
-    return row.least_passes == row.most_passes ? std::to_string(row.most_passes)
-                                               : fmt::format("{} to {}", row.least_passes, row.most_passes);
-}
-
 /// Whether the error of the whole image is that of few pixels.
 bool has_outliers(const TableRow& row) {
     return row.layer == Layer::total && row.robust && is_decided_by_outliers(*row.robust);
 }
-
-bool has_resolved_floor(const TableRow& row) { return floor_field(row).is_measured(); }
 
 /// A field as the number of a column of table.csv, if it is in one of the states.
 FieldOf in_states(const FieldOf& field, State one, State other) {
@@ -119,6 +111,15 @@ FieldOf in_states(const FieldOf& field, State one, State other) {
     };
 }
 
+FieldOf time(std::size_t t) {
+    return [t](const TableRow& row) { return time_field(row, t); };
+}
+
+Declared time_column(std::size_t t) {
+    return {fmt::format("seconds_to_{}pct", target_names[t]), "s",
+            fmt::format("time to a relative RMSE of {} %", target_names[t])};
+}
+
 Declared corrected_column() {
     return {"rel_mse_corrected", "", "`rel_mse` with the reference's own variance subtracted, as in `table.md`"};
 }
@@ -126,11 +127,6 @@ Declared corrected_column() {
 void add_errors(Columns& c) {
     const auto error = [](auto member) { return of(&TableRow::statistics, member); };
     const FieldOf bias2 = error(&ReplicateStatistics::bias2), variance = error(&ReplicateStatistics::variance);
-    const auto time = [](std::size_t t) { return FieldOf([t](const TableRow& row) { return time_field(row, t); }); };
-    const auto time_column = [](std::size_t t) {
-        return Declared{fmt::format("seconds_to_{}pct", target_names[t]), "s",
-                        fmt::format("time to a relative RMSE of {} %", target_names[t])};
-    };
     const Declared variance_column{"variance", "radiance^2",
                                    "scatter from seed to seed, mean over pixels; it falls with more samples"};
     c.text({"scene", "", "the scene file's name without folder and ending"}, &TableRow::scene);
@@ -160,10 +156,14 @@ void add_errors(Columns& c) {
              of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
     c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
              of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]");
-    for (std::size_t t = 0; t < 4; ++t)
-        c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %", time(t));
-    for (std::size_t t = 0; t < target_names.size(); ++t)
+    for (std::size_t t = 0; t < 4; ++t) {
+        c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %");
+        if (t == 1) c.back().target = t;
+    }
+    for (std::size_t t = 0; t < target_names.size(); ++t) {
         c.shown(in_prices, fmt::format("seconds to {} %", target_names[t]), time(t));
+        c.back().target = t;
+    }
     c.number(
         {"nonfinite", "", "samples of all seeds that were not finite and were dropped"},
         [](const TableRow& row) { return measured(static_cast<double>(row.nonfinite), Unit::whole); }, in_errors,
@@ -210,7 +210,7 @@ void add_laws(Columns& c) {
                law(&PriceLaw::floor), in_laws, "floor %", floor_field);
     const FieldOf floor_bias = [](const TableRow& r) { return r.law ? measured(floor_bias2(r), Unit::root) : Field{}; };
     c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"}, floor_bias, in_laws, "bias in the floor %",
-             where(has_resolved_floor, floor_bias));
+             floor_bias_field);
     c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope");
     c.number({"law_factor", "", "c of the law, for t in seconds"},
              [](const TableRow& r) { return r.law ? measured(r.law->law.factor) : Field{}; });
@@ -248,26 +248,31 @@ void add_laws(Columns& c) {
          "processor that measured the row, by the name that the system gives; several are separated by `;`, and their "
          "times do not compare"},
         [](const TableRow& row) { return fmt::format("{}", fmt::join(row.cpus, ";")); });
-    c.text({"passes", "", "passes of the final images: one number, or the least and the most of the seeds"}, passes_of,
-           in_prices | in_errors, "passes");
+    c.text(
+        {"passes", "", "passes of the final images: one number, or the least and the most of the seeds"},
+        [](const TableRow& r) { return r.most_passes > 0 ? passes_text(r.least_passes, r.most_passes) : ""; },
+        in_prices | in_errors, "passes");
     c.back().of_words = false;
     for (std::size_t t = 0; t < target_names.size(); ++t) {
-        const FieldOf time = [t](const TableRow& row) { return time_field(row, t); };
-        const std::string name = fmt::format("seconds_to_{}pct", target_names[t]);
+        const std::string name = time_column(t).name;
         c.text(
             {name + "_state", "",
              "`measured`: all seeds have reached it. `some seeds`: not all of them. By the fitted law: `extrapolated`, "
              "`at least`, `never` (its floor is above). `not reached`: nothing tells when. `not resolved`: the "
              "reference's "
              "noise hides it"},
-            [time](const TableRow& row) { return csv_state(time(row)); });
+            [t](const TableRow& row) { return csv_state(time_field(row, t)); });
         c.estimate(
             {name + "_law", "s", fmt::format("`{}` by the fitted law; a lower bound if the state is `at least`", name)},
-            in_states(time, State::extrapolated, State::at_least));
+            in_states(time(t), State::extrapolated, State::at_least));
     }
 }
 
 }  // namespace
+
+std::string passes_text(std::uint32_t least, std::uint32_t most) {
+    return least == most ? std::to_string(most) : fmt::format("{} to {}", least, most);
+}
 
 const std::vector<RowColumn>& row_columns() {
     static const Columns columns = [] {

@@ -6,6 +6,7 @@
 #include "experiments/text/declared.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -25,7 +26,11 @@ struct RowColumn : Declared {
     std::string heading = "";                          ///< its column there
     std::function<Shown(const TableRow&)> shown = {};  ///< its field there
     bool of_words = false;                             ///< whether its field holds words, which stand on the left
+    std::optional<std::size_t> target = {};  ///< index into target_errors of the error to which it is the time
 };
+
+/// "16", or "12 to 16": the least and the most passes of the seeds.
+std::string passes_text(std::uint32_t least, std::uint32_t most);
 
 /// All entries in the order of table.csv. This order does not change; new ones are added at the end.
 const std::vector<RowColumn>& row_columns();

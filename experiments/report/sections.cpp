@@ -2,6 +2,7 @@
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/footing_warnings.h"
+#include "experiments/analysis/price.h"
 #include "experiments/report/answers.h"
 #include "experiments/report/error_words.h"
 #include "experiments/report/field_text.h"
@@ -24,9 +25,6 @@ using Row = Section::Row;
 Column words(const char* heading) { return {heading, true}; }
 Entry number(double value) { return {measured(value)}; }
 Entry method_entry(const std::string& method, const std::string& text) { return {text, Mark::none, method}; }
-std::string passes_text(std::uint32_t least, std::uint32_t most) {
-    return least == most ? std::to_string(most) : fmt::format("{} to {}", least, most);
-}
 
 /// The label of a method and, in brackets, that it is another renderer's.
 std::string marked(const Analysis& analysis, const std::string& method) {
@@ -64,11 +62,12 @@ Section look_section(const Analysis& analysis) {
                      words("energy differs in")},
                     {},
                     Section::Kind::looks};
-    for (const auto& scene : scenes_of(analysis))
-        for (const LookWords& w : look_words(analysis, scene))
+    for (const auto& scene : scenes_of(analysis)) {
+        const SceneLook look = scene_look(analysis, scene);
+        for (const LookWords& w : look.methods)
             section.rows.push_back({.scene = scene,
                                     .entries = {{marked(analysis, w.look.method)},
-                                                number(w.look.seconds),
+                                                number(look.seconds),
                                                 {w.error},
                                                 {w.beside},
                                                 {w.flip},
@@ -76,22 +75,17 @@ Section look_section(const Analysis& analysis) {
                                                 {w.kind},
                                                 {w.missing},
                                                 {w.energy}}});
+    }
     return section;
 }
 
-/// Marks the shortest time to each error among the rows of one layer and scene, and those that cannot be told from it.
-void mark_times(const Analysis& analysis, Section& section, std::size_t column, std::size_t target) {
-    for (Row& row : section.rows) {
-        Entry& entry = row.entries[column];
-        const Field& field = std::get<Field>(entry.shown);
-        if (!field.is_measured()) entry.mark = Mark::grey;
-        else if (row.layer)
-            for (const Contender& c : Contest(analysis, row.scene, *row.layer).to_error(target))
-                if (c.method == row.entries[0].method)
-                    entry.mark = c.standing == Standing::best  ? Mark::best
-                                 : c.standing == Standing::tie ? Mark::tie
-                                                               : Mark::none;
-    }
+/// How the time of a row to an error stands beside those of the other methods.
+Mark mark_of(const Analysis& analysis, const TableRow& row, std::size_t target) {
+    if (!time_field(row, target).is_measured()) return Mark::grey;
+    for (const Contender& c : Contest(analysis, row.scene, row.layer).to_error(target))
+        if (c.method == row.method && c.standing == Standing::best) return Mark::best;
+        else if (c.method == row.method && c.standing == Standing::tie) return Mark::tie;
+    return Mark::none;
 }
 
 bool is_empty(const Entry& entry) {
@@ -107,19 +101,16 @@ Section row_section(const Analysis& analysis, RowSection which, std::string titl
         if (column.sections & which) section.columns.push_back({column.heading, column.of_words});
     for (const TableRow& row : analysis.rows) {
         std::vector<Entry> entries = {method_entry(row.method, method_text(analysis, row))};
-        for (const RowColumn& column : row_columns())
-            if (column.sections & which) entries.push_back({column.shown(row)});
+        for (const RowColumn& column : row_columns()) {
+            if (!(column.sections & which)) continue;
+            Entry& entry = entries.emplace_back(Entry{column.shown(row)});
+            if (column.target) entry.mark = mark_of(analysis, row, *column.target);
+            if (const auto* f = std::get_if<Field>(&entry.shown);
+                f && which == in_noise && f->unit == Unit::share && f->is_measured())
+                entry.shares = {f->value, 1 - f->value};
+        }
         if (!std::all_of(entries.begin() + 1, entries.end(), is_empty))
             section.rows.push_back({.scene = row.scene, .entries = std::move(entries), .layer = row.layer});
-    }
-    for (std::size_t column = 1; column < section.columns.size(); ++column) {
-        for (std::size_t t = 0; t < target_names.size(); ++t)
-            if (section.columns[column].heading == fmt::format("seconds to {} %", target_names[t]))
-                mark_times(analysis, section, column, t);
-        for (Row& row : section.rows)
-            if (const auto* f = std::get_if<Field>(&row.entries[column].shown);
-                f && f->unit == Unit::share && f->is_measured() && which == in_noise)
-                row.entries[column].shares = {f->value, 1 - f->value};
     }
     return section;
 }
@@ -168,7 +159,8 @@ Section crossover_section(const Analysis& analysis) {
     Section section{
         "When the best method changes",
         "From these seconds on the method is closer to the reference than all others, by 5 % at least before "
-        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change.",
+        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change. Not run "
+        "longer: ended before it.",
         {words("method"), {"from second"}, {"relative RMSE % there"}, words("before"), words("beside others")}};
     for (const Crossover& c : crossovers(analysis)) {
         if (c.ends)
@@ -184,7 +176,7 @@ Section crossover_section(const Analysis& analysis) {
                                                 {measured({c.seconds, c.interval})},
                                                 {c.relative_rmse},
                                                 {c.before.empty() ? std::string("no image yet") : c.before},
-                                                {doubts(c.ties, c.open, c.one_seed)}}});
+                                                {words_of(c.doubts)}}});
     }
     return section;
 }
@@ -196,7 +188,7 @@ std::string others_text(const EqualTimeRow& row) {
         if (&c == &row.ranking.front()) continue;
         const std::string number = c.standing == Standing::no_image
                                        ? line_of(Field{State::no_image, c.first_image})
-                                       : short_number(std::sqrt(c.mean() / row.ranking.front().mean())) +
+                                       : short_number(std::sqrt(c.mean / row.ranking.front().mean)) +
                                              (c.standing == Standing::tie          ? " (tie)"
                                               : c.standing == Standing::incomplete ? " (not all light)"
                                                                                    : "");
@@ -216,12 +208,12 @@ Section equal_time_section(const Analysis& analysis) {
                      words("times as much")}};
     for (const EqualTimeRow& row : equal_time_rows(analysis)) {
         const Contender* best = best_of(row.ranking);
-        if (!best || !(best->mean() > row.noise_floor)) continue;
+        if (!best || !(best->mean > row.noise_floor)) continue;
         section.rows.push_back({.scene = row.scene,
                                 .entries = {{std::string(name_of(row.layer))},
                                             number(row.seconds),
                                             method_entry(best->method, best->method),
-                                            {measured(best->mean(), Unit::root)},
+                                            {measured(best->mean, Unit::root)},
                                             {doubts(row.ranking)},
                                             {others_text(row)}}});
     }
@@ -239,7 +231,7 @@ Section frontier_section(const Analysis& analysis) {
                                             {p.relative_rmse},
                                             {passes_text(p.least_passes, p.most_passes)},
                                             method_entry(p.method, p.method),
-                                            {doubts(p.ties, p.open, p.one_seed)}}});
+                                            {words_of(p.doubts)}}});
     return section;
 }
 

@@ -2,6 +2,7 @@
 // The layers of an image that have numbers of their own: each component, and the sum of those that are judged.
 
 #include "common/core/components.h"
+#include "common/scene/effects.h"
 
 #include <array>
 #include <optional>
@@ -57,6 +58,14 @@ public:
 
 private:
     unsigned bits_ = 0;
+};
+
+/// What a method leaves out of a scene.
+struct LeftOut {
+    Effects effects = {};        ///< that the scene calls for and the method does not simulate
+    Components components = {};  ///< of which it leaves out paths
+
+    bool empty() const { return effects.empty() && components.empty(); }
 };
 
 }  // namespace gib

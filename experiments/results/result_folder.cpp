@@ -79,6 +79,18 @@ std::string CellIdentity::key() const {
     return hash.hex();
 }
 
+static Effects effects_named(const std::string& names) {
+    Effects effects;
+    for (const EffectDescription& d : effect_descriptions())
+        if ((";" + names + ";").find(";" + std::string(d.name) + ";") != std::string::npos) effects.add(d.effect);
+    return effects;
+}
+
+LeftOut ResultIndex::left_out_by(const std::string& scene, const std::string& label) const {
+    const auto found = left_out.find({scene, label});
+    return found == left_out.end() ? LeftOut() : found->second;
+}
+
 bool ResultIndex::is_external(const std::string& label) const {
     return std::find(externals.begin(), externals.end(), label) != externals.end();
 }
@@ -153,14 +165,11 @@ void ResultFolder::write_index(const ResultIndex& index) const {
     j["format"] = "gibench results 1";
     j["externals"] = index.externals;
     j["effects_missing"] = json::array();
-    for (const auto& [cell, effects] : index.effects_missing) {
-        const auto components = index.components_missing.find(cell);
-        j["effects_missing"].push_back(
-            {{"scene", cell.first},
-             {"method", cell.second},
-             {"effects", effects},
-             {"components", components == index.components_missing.end() ? "" : components->second}});
-    }
+    for (const auto& [cell, left_out] : index.left_out)
+        j["effects_missing"].push_back({{"scene", cell.first},
+                                        {"method", cell.second},
+                                        {"effects", left_out.effects.names()},
+                                        {"components", names_of(left_out.components.list())}});
     write_file(file("index.json"), j.dump(2) + "\n");
 }
 
@@ -172,11 +181,9 @@ ResultIndex ResultFolder::read_index() const {
         auto index = j.get<ResultIndex>();
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
         index.externals = j.value("externals", std::vector<std::string>());  // older folders have none
-        for (const auto& m : j.at("effects_missing")) {
-            index.effects_missing[{m.at("scene"), m.at("method")}] = m.at("effects");
-            // Older folders do not name the components.
-            index.components_missing[{m.at("scene"), m.at("method")}] = m.value("components", "");
-        }
+        for (const auto& m : j.at("effects_missing"))
+            index.left_out[{m.at("scene"), m.at("method")}] = {effects_named(m.at("effects")),
+                                                               Components(components_named(m.value("components", "")))};
         return index;
     } catch (const json::exception& error) {
         reject({path}, "not an index of results: {}", error.what());

@@ -78,15 +78,15 @@ struct ResultIndex {
     int seeds = 1;
     int threads = 0;
     std::vector<IndexScene> scenes;
-    std::vector<std::string> methods;                                            ///< labels
-    std::vector<std::string> externals = {};                                     ///< those of other renderers
-    std::map<std::pair<std::string, std::string>, std::string> effects_missing;  ///< (scene, label) -> "name;name"
-    /// The components of which a method leaves out paths, in the same way.
-    std::map<std::pair<std::string, std::string>, std::string> components_missing;
-    std::map<std::string, std::string> cell_keys;  ///< folder name of a cell -> key
+    std::vector<std::string> methods;                                 ///< labels
+    std::vector<std::string> externals = {};                          ///< those of other renderers
+    std::map<std::pair<std::string, std::string>, LeftOut> left_out;  ///< by scene and label
+    std::map<std::string, std::string> cell_keys;                     ///< folder name of a cell -> key
 
     /// Whether the label is a command of another renderer.
     bool is_external(const std::string& label) const;
+    /// Nothing, where nothing is known.
+    LeftOut left_out_by(const std::string& scene, const std::string& label) const;
 };
 
 class ResultFolder {

@@ -85,8 +85,7 @@ ResultIndex index_of(const RunSession& run) {
         index.methods.push_back(label.text());
     for (const auto& [label, external] : experiment.externals)
         index.externals.push_back(label);
-    index.effects_missing = run.setup.effects_missing;
-    index.components_missing = run.setup.components_missing;
+    index.left_out = run.setup.left_out;
     for (const WorkCell& cell : run.list.all())
         if (!cell.identity.reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
     return index;

@@ -35,8 +35,7 @@ void plan_methods(RunSetup& setup, const LoadedScene& scene, ProgressLine& progr
     for (const auto& label : setup.experiment.methods) {
         if (setup.experiment.external(label)) continue;
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
-        setup.effects_missing[{scene.name, label.text()}] = plan.missing.names();
-        setup.components_missing[{scene.name, label.text()}] = names_of(plan.unresolved);
+        setup.left_out[{scene.name, label.text()}] = {plan.missing, Components(plan.unresolved)};
         if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
             progress.message(fmt::format("warning: {}: {}", scene.name, incomplete));
         if (const auto light = seldom_found_light(*scene.scene, label); !light.empty())

@@ -5,6 +5,7 @@
 #include "common/reader/scene_file.h"
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/run_options.h"
+#include "experiments/results/layer.h"
 
 #include <map>
 #include <optional>
@@ -29,7 +30,7 @@ struct RunSetup {
     std::string build;                  ///< digest of this program
     std::vector<RunScene> scenes = {};  ///< in the experiment's order
     /// What the methods leave out, as ResultIndex has it.
-    std::map<std::pair<std::string, std::string>, std::string> effects_missing = {}, components_missing = {};
+    std::map<std::pair<std::string, std::string>, LeftOut> left_out = {};
 
     /// Loads a scene again. Only one is in memory at a time. Throws RunError if it was changed since it was checked.
     LoadedScene load(const RunScene& scene) const;

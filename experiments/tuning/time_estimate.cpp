@@ -13,6 +13,8 @@ namespace gib {
 
 namespace {
 
+constexpr double widest_interval = 30;  // ratio of the ends of an interval that is printed
+
 /// The curve over time, or over passes.
 std::vector<CurvePoint> curve_of(const Cell& cell, bool over_passes = false) {
     std::vector<CurvePoint> curve;
@@ -85,6 +87,15 @@ Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<Pr
     return {likely, Interval{std::min(least, likely), std::max(most, likely)}};
 }
 
+/// The interval of an extrapolated time. It begins after the longest run that has not reached the target. One run tells no upper
+/// end, nor does an interval that is too wide to say anything.
+Interval told_interval(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
+    double lo = seconds.interval ? seconds.interval->lo : 0, hi = seconds.interval ? seconds.interval->hi : infinity;
+    for (const Cell& cell : cells)
+        if (curve_of(cell).back().error > target) lo = std::max(lo, std::min(cell.last().seconds, seconds.value));
+    return {lo, hi > widest_interval * lo ? infinity : std::max(hi, lo)};
+}
+
 /// The passes of a run after so many seconds at the pace of its last image.
 std::uint32_t passes_after(const std::vector<Cell>& cells, double seconds) {
     const double passes = mean_over(cells, [&](const Cell& cell) {
@@ -142,6 +153,7 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     }
     verdict.state = Verdict::extrapolated;
     verdict.seconds = is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target);
+    verdict.seconds.interval = told_interval(verdict.seconds, cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
 }

@@ -18,6 +18,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 namespace gib {
 
@@ -197,7 +198,7 @@ private:
         std::vector<double> wanted;
         for (const FinalSetting& f : result_.finals)
             wanted.push_back(f.budget);
-        const auto budgets = shared_seconds(wanted, best_share * left / fewest_seeds, besides);
+        const auto budgets = promising_seconds(wanted, ample, best_share * left / fewest_seeds, besides);
         double used = 0;
         for (std::size_t i = 0; i < budgets.size(); ++i) {
             result_.finals[i].budget = budgets[i];
@@ -232,15 +233,18 @@ private:
         runs_.begin_experiment(labels, budgets, final_seeds);
         std::vector<std::vector<Cell>> cells(labels.size());
         bool is_cut = false;
-        // All seeds of the methods' best settings come first, because each method is to have a verdict.
-        for (const auto& [from, to] : {std::pair(std::size_t{0}, bests), std::pair(bests, labels.size())}) {
+        // The fewest seeds of each method's best settings come first, the cheapest method before all others, because each one
+        // is to have a verdict; then their other seeds, then the other settings.
+        for (const auto& [from, to, first, last] : {std::tuple(std::size_t{0}, bests, std::uint64_t{1}, fewest_seeds),
+                                                    std::tuple(std::size_t{0}, bests, fewest_seeds + 1, final_seeds),
+                                                    std::tuple(bests, labels.size(), std::uint64_t{1}, final_seeds)}) {
             std::vector<TuningRuns::Wanted> wanted;
-            for (std::uint64_t seed = 1; seed <= final_seeds; ++seed)
-                for (std::size_t i = from; i < to; ++i)
+            for (std::size_t i = from; i < to; ++i)
+                for (std::uint64_t seed = first; seed <= last; ++seed)
                     wanted.push_back({labels[i], seed, budgets[i]});
             const auto runs = runs_.measured(wanted, seconds());
             for (std::size_t i = 0; i < runs.size(); ++i) {
-                if (runs[i].cell) cells[from + i % (to - from)].push_back(*runs[i].cell);
+                if (runs[i].cell) cells[from + i / (last - first + 1)].push_back(*runs[i].cell);
                 is_cut = is_cut || runs[i].is_left_out;
             }
         }

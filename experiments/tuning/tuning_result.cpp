@@ -99,8 +99,12 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
             return fmt::format("{} after {} s, measured{}", result.target, with_interval(verdict.seconds), runs);
         case Verdict::extrapolated:
             if (interval && std::isinf(interval->hi))
-                return fmt::format("{} after at least {} s, extrapolated from {}{}", result.target,
-                                   short_number(interval->lo), end, runs);
+                return fmt::format("{} after at least {} s, {}extrapolated from {}{}", result.target,
+                                   short_number(interval->lo),
+                                   verdict.seconds.value > interval->lo && std::isfinite(verdict.seconds.value)
+                                       ? fmt::format("perhaps {} s, ", short_number(verdict.seconds.value))
+                                       : "",
+                                   end, runs);
             return fmt::format("{} after {} s, extrapolated from {}{}", result.target, with_interval(verdict.seconds),
                                end, runs);
         case Verdict::not_reachable:
@@ -119,6 +123,9 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
                                                   with_interval(best->verdict.seconds), best->verdict.runs)};
     for (const auto& [error, seconds] : result.along_the_way)
         lines.push_back(fmt::format("seconds to {:g} %: {}", 100 * error, with_interval(seconds)));
+    for (const FinalSetting& f : result.finals)
+        if (f.is_best && &f != best)
+            lines.push_back(fmt::format("{}: {}", result.label(f).text(), factor_text(f, *best)));
     for (const FinalSetting& of_method : result.finals) {
         if (!of_method.is_best || of_method.verdict.state != Verdict::measured) continue;
         const SearchSpace& space = result.methods[of_method.method].space;

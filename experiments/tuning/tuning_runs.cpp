@@ -180,8 +180,7 @@ std::string TuningRuns::write_results(const std::string& tune_json) {
 
 bool TuningRuns::is_unbiased(const MethodLabel& label) const {
     const std::pair key{scene_.name, with_value(label, "spp", endless_spp).text()};
-    return find_method(label.name).unbiased && session_->setup.effects_missing.at(key).empty() &&
-           session_->setup.components_missing.at(key).empty();
+    return find_method(label.name).unbiased && session_->setup.left_out.at(key).empty();
 }
 
 }  // namespace gib

@@ -47,6 +47,8 @@ def time(row, column):
         low, high = row[column + "_law_lo"], row[column + "_law_hi"]
         interval = f", {number(low)}--{number(high)}" if is_number(low) and is_number(high) else ""
         return f"{'at least ' if state == 'at least' else ''}{number(law)} (extrapolated{interval})"
+    if state == "some seeds":
+        return "not by all seeds"
     return number(row[column]) if is_number(row[column]) else state or NONE
 
 
@@ -67,23 +69,29 @@ def relative_rmse(row):
     return percent(value)
 
 
+def left_out(row):
+    """The effects and the light that a method leaves out, as in table.md."""
+    effects, light = (row[name].replace(";", ", ") for name in ("effects_missing", "components_missing"))
+    return "; ".join(part for part in (effects, f"light of {light}" if light else "") if part)
+
+
 def table_row(row, label, with_missing):
     cells = [rf"\texttt{{{escaped(label)}}}", optional(row["seconds"]), relative_rmse(row), bias2(row),
              optional(row["variance"]), *(time(row, column) for column, _ in TARGETS)]
     if with_missing:
-        cells.append(escaped(row["effects_missing"].replace(";", ", ")))
+        cells.append(escaped(left_out(row)))
     return "  " + " & ".join(cells) + r" \\"
 
 
 def latex_table(rows, scene, component):
     """The table as text; `rows`: those of table.csv for one scene and component."""
     labels, shared = short_labels([row["method"] for row in rows])
-    with_missing = any(row["effects_missing"] for row in rows)
+    with_missing = any(left_out(row) for row in rows)
     columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")
     heads = ["method", "time [s]", r"relative RMSE [\%]", "bias$^2$ [radiance$^2$]", "variance [radiance$^2$]",
              *(rf"time to {target}\,\% [s]" for _, target in TARGETS)]
     if with_missing:
-        heads.append("not simulated")
+        heads.append("left out")
     comment = f"% Scene {scene}, component {component}; needs \\usepackage{{booktabs}}.".replace("\n", " ")
     lines = [comment, rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
              r"  \midrule"]

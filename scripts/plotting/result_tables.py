@@ -8,11 +8,11 @@ from dataclasses import dataclass
 CURVES = ("scene", "method", "seed", "pass", "seconds", "mse_corrected", "rel_mse_corrected")
 TABLE = ("scene", "method", "component", "seconds", "rel_mse_corrected", "rel_mse_corrected_lo", "rel_mse_corrected_hi",
          "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance", "variance_lo", "variance_hi",
-         "bias_state", "effects_missing",
+         "bias_state", "effects_missing", "components_missing",
          *(f"seconds_to_{target}pct{end}" for target in (5, 2, 1) for end in ("", "_state", "_law", "_law_lo", "_law_hi")))
 SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
 STAGES = ("scene", "method", "seed", "stage", "seconds")
-TEXT = {"scene", "method", "component", "effects_missing", "kind", "stage", "seed", "bias_state",
+TEXT = {"scene", "method", "component", "effects_missing", "components_missing", "kind", "stage", "seed", "bias_state",
         *(f"seconds_to_{target}pct_state" for target in (5, 2, 1))}
 
 

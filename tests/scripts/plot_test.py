@@ -47,7 +47,7 @@ TABLE = TABLE_HEAD + table_line(
     **TOTAL, method="photon_mapper photons=1e4 & 50%", seconds=32, bias2=0.0002, bias2_lo=0.0001, bias2_hi=0.0004,
     variance=0.00012345, variance_lo=0.0001, variance_hi=0.0002, seconds_to_5pct=12.34, seconds_to_5pct_state="measured",
     seconds_to_2pct=1234567, seconds_to_2pct_state="measured", seconds_to_1pct_state="never",
-    effects_missing="caustics;glossy_lobes")
+    effects_missing="caustics;glossy_lobes", components_missing="caustic;indirect")
 SPECTRA = "scene,method,kind,frequency,power,component\n" + "".join(
     f"box,path spp=4,{kind},{frequency},{power},total\n" for kind, frequency, power in (
         ("noise", 0, 9), ("noise", 0.1, 0.5), ("noise", 0.3, 1), ("noise", 0.6, 2),
@@ -247,7 +247,7 @@ class PlotTest(unittest.TestCase):
             r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & $<$$3.00\times10^{-5}$ & 0.0012 & 3.46 & "
             r"22.0 (extrapolated, 20.0--25.0) & at least 88.0 (extrapolated) &  \\",
             r"\texttt{photon\_mapper photons=1e4 \& 50\%} & 32.0 & 10.00 (9.00--11.00) & $2.00\times10^{-4}$ & "
-            r"$1.23\times10^{-4}$ & 12.3 & $1.23\times10^{6}$ & never & caustics, glossy\_lobes \\"])
+            r"$1.23\times10^{-4}$ & 12.3 & $1.23\times10^{6}$ & never & caustics, glossy\_lobes; light of caustic, indirect \\"])
         columns = re.search(r"@\{\}(\w+)@\{\}", lines[1])[1]
         for line in lines:
             if line.endswith(r"\\"):

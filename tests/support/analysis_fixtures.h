@@ -30,20 +30,12 @@ inline Analysis analysis_of(const std::vector<Cell>& cells) {
             analysis.rows.push_back(row);
             analysis.index.methods.push_back(method);
         }
-    for (const auto& scene : scenes_of(analysis)) {
-        const Contest contest(analysis, scene);
-        for (const auto& [method, runs] : contest.cells()) {
-            EqualTimeLook look{.scene = scene,
-                               .method = method,
-                               .seconds = contest.equal_time(),
-                               .first_seconds = first_image_of_all(runs),
-                               .passes = runs.front()->last().passes,
-                               .image_seconds = runs.front()->last().seconds};
-            if (const auto errors2 = errors2_by(runs, Layer::total, look.seconds); !errors2.empty())
-                look.error2 = sample_mean(errors2).value;
-            analysis.looks.push_back(look);
-        }
-    }
+    for (const auto& scene : scenes_of(analysis))
+        for (const auto& [method, runs] : cells_by_method(analysis, scene))
+            analysis.looks.push_back({.scene = scene,
+                                      .method = method,
+                                      .passes = runs.front()->last().passes,
+                                      .seconds = runs.front()->last().seconds});
     return analysis;
 }
 

@@ -28,9 +28,9 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 16);
     EXPECT_EQ(rows[0].ranking[0].method, "photons");
-    EXPECT_NEAR(rows[0].ranking[0].mean(), 1e-4 / 16, 1e-12);
+    EXPECT_NEAR(rows[0].ranking[0].mean, 1e-4 / 16, 1e-12);
     // The error lies between the checkpoints at 11.2 and 22.4 s.
-    EXPECT_NEAR(rows[0].ranking[1].mean(), 4e-4 / 16, 1e-12);
+    EXPECT_NEAR(rows[0].ranking[1].mean, 4e-4 / 16, 1e-12);
     EXPECT_EQ(rows[0].ranking[2].standing, Standing::no_image) << "none after 16 s";
     EXPECT_THAT(
         markdown_table(analysis),
@@ -45,7 +45,7 @@ TEST(EqualTime, TheFastestHasTheErrorOfItsFinalImages) {
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].seconds, 10);
     EXPECT_EQ(rows[0].ranking.at(0).method, "fast");
-    EXPECT_NEAR(rows[0].ranking.at(0).mean(), (4e-4 / 8 + 4e-4 / 12) / 2, 1e-12);
+    EXPECT_NEAR(rows[0].ranking.at(0).mean, (4e-4 / 8 + 4e-4 / 12) / 2, 1e-12);
 }
 
 // More time would not change the image of a method that has converged.

@@ -43,15 +43,16 @@ std::vector<Cell> joined(std::initializer_list<std::vector<Cell>> lists) {
 TEST(EqualTimeLooks, MethodsWithoutAnImageStandLast) {
     const Analysis analysis = analysis_of(
         joined({runs("late", 1e-5, 5.98, 12), runs("path", 1e-2, 0.05, 0.85), runs("later", 1e-5, 43.5, 50)}));
-    const auto words = look_words(analysis, "box");
+    const SceneLook look = scene_look(analysis, "box");
+    const auto& words = look.methods;
     ASSERT_EQ(words.size(), 3u);
     EXPECT_EQ(words[0].look.method, "path") << "it alone has kept the time";
-    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[0].standing, Standing::best);
     EXPECT_EQ(words[1].look.method, "late");
     EXPECT_EQ(line_of(words[1].error), "no image yet; first after 5.98 s");
-    EXPECT_FALSE(words[1].is_best || words[1].is_tie);
+    EXPECT_EQ(words[1].standing, Standing::no_image);
     EXPECT_EQ(line_of(words[2].error), "no image yet; first after 43.5 s");
-    EXPECT_EQ(words[2].look.seconds, words[0].look.seconds) << "all are compared at one time";
+    EXPECT_EQ(look.seconds, 0.8) << "all are compared at one time";
 }
 
 // Four times as many samples of the path tracer would have won.
@@ -78,6 +79,82 @@ TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
     EXPECT_FALSE(changes[1].ends);
 }
 
+// The slow method's run ends in the middle of the time in which the other one is the best.
+TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
+    const Analysis analysis =
+        analysis_of(joined({runs("long", 1e-3, 0.5, 64, 0, 2), runs("short", 2e-3, 0.5, 8, 0, 2)}));
+    const auto changes = crossovers(analysis);
+    ASSERT_EQ(changes.size(), 1u);
+    EXPECT_EQ(changes[0].method, "long");
+    EXPECT_THAT(changes[0].doubts.open, ElementsAre("short"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("not run longer: `short`"));
+}
+
+// The second method's first image is better than all that the first one has.
+TEST(Crossovers, ATimeWithoutScatterHasNoInterval) {
+    const auto changes = crossovers(analysis_of(joined({runs("early", 1e-1, 0.5, 64), runs("late", 1e-4, 8, 64)})));
+    ASSERT_EQ(changes.size(), 2u);
+    EXPECT_NEAR(changes[1].seconds, 8, 1e-6);
+    EXPECT_FALSE(changes[1].interval);
+}
+
+// Noisy seeds: 3.8 % beside 21 % is no tie, 3.8 % beside 4 % is one.
+TEST(Ties, AreOfNumbersThatAreClose) {
+    const auto beside = [](double error) {
+        std::vector<Cell> cells;
+        for (const auto& [seed, f] : {std::pair<std::uint64_t, double>{1, 0.8}, {2, 1.25}, {3, 0.9}}) {
+            cells.push_back(run_of("best", 0.038 * 0.038 * f, 1, 1, 0, seed));
+            cells.push_back(run_of("other", error * error * f, 1, 1, 0, 4 - seed));
+        }
+        return scene_look(analysis_of(cells), "box").methods.at(1).beside;
+    };
+    EXPECT_EQ(beside(0.21), "");
+    EXPECT_EQ(beside(0.04), "tie with the best");
+}
+
+TEST(PriceAnswers, TheClosestInAFewWordsHasItsTies) {
+    const Analysis analysis = analysis_of(joined({runs("a", 1e-1, 0.5, 8), runs("b", 1.001e-1, 0.5, 8)}));
+    EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with b")));
+}
+
+// One group of 16 has met a bright pixel. The reference's variance is as uncertain as it is large, and so is every error
+// from which it is subtracted.
+TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
+    const auto least = [](float bright) {
+        std::mt19937 random(3);
+        std::normal_distribution<float> noise(1, 0.1f);
+        std::vector<Image> groups;
+        for (int g = 0; g < 16; ++g) {
+            Image image(16, 16);
+            for (float& value : image.rgb)
+                value = noise(random);
+            if (g == 7) image.set(100, Color::Constant(bright));
+            groups.push_back(std::move(image));
+        }
+        const ReferenceLayer layer = layer_of_groups(std::move(groups));
+        const Denominators denominators(layer, 0.01);
+        return std::pair(least_resolved(layer, denominators),
+                         std::pow(relative_standard_error(layer, denominators), 2));
+    };
+    const auto [even, even_error2] = least(1);
+    EXPECT_LT(even, even_error2);
+    const auto [uneven, error2] = least(300);
+    EXPECT_GT(error2, 4 * even_error2) << "the bright pixel is most of the reference's error";
+    EXPECT_GT(uneven, error2);
+}
+
+TEST(Floor, ABiasThatMayBeNoneIsAnUpperBound) {
+    Analysis analysis = analysis_of(runs("quick", 1e-3, 0.5, 64, 9e-4));
+    TableRow& row = analysis.rows[0];
+    const auto bias = [&](double value, double lo, double hi) {
+        row.statistics->rel_bias2 = Estimate{value, Interval{lo, hi}};
+        return line_of(floor_bias_field(row));
+    };
+    EXPECT_EQ(bias(-1e-5, -1e-4, 1e-4), "below 1.00");
+    EXPECT_EQ(bias(4e-4, 1e-4, 8.1e-4), "2.00 (1.00 to 2.85)");
+    EXPECT_EQ(bias(4e-4, -1e-3, 2e-3), "cannot be told");
+}
+
 TEST(PriceAnswers, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
     const Analysis analysis =
         analysis_of(joined({runs("path", 1e-3, 0.01, 0.16, 0, 2), runs("vcm", 2e-3, 0.05, 3.2, 0, 2)}));
@@ -97,15 +174,15 @@ TEST(PriceAnswers, EqualMethodsAreATie) {
     const Analysis analysis = analysis_of(cells);
     EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("(tie with `"));
     EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("tie with"));
-    const auto words = look_words(analysis, "box");
+    const auto words = scene_look(analysis, "box").methods;
     EXPECT_THAT(words[0].beside, HasSubstr("tie with"));
-    EXPECT_TRUE(words[1].is_tie);
+    EXPECT_EQ(words[1].standing, Standing::tie);
     for (const EqualTimeRow& row : equal_time_rows(analysis))
         EXPECT_EQ(row.ranking[1].standing, Standing::tie);
     for (const Crossover& c : crossovers(analysis))
-        EXPECT_EQ(c.ties.size(), 1u);
+        EXPECT_EQ(c.doubts.ties.size(), 1u);
     for (const FrontierPoint& p : pareto_frontier(analysis))
-        EXPECT_EQ(p.ties.size(), 1u);
+        EXPECT_EQ(p.doubts.ties.size(), 1u);
 }
 
 // The budget ends the seeds after 40 and 64 s. Their errors there, and not those at the last pass that all have, are the
@@ -200,7 +277,8 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     analysis.cells[1] = busy(analysis.cells[1], 0.5);
     const auto warning = busy_machine(analysis, "box", "e.toml");
     ASSERT_TRUE(warning);
-    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("path: threads waited for 50 %"), Not(HasSubstr("vcm"))));
+    EXPECT_THAT(warning->sentence,
+                AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
     EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
     analysis.warnings.push_back(*warning);
     const std::string text = markdown_table(analysis);

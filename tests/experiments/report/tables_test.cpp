@@ -189,6 +189,8 @@ TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
     const auto kind = [](Estimate bias2, double variance) { return error_kind(error_row("photons", bias2, variance)); };
     EXPECT_EQ(kind({0.6, Interval{0.5, 0.7}}, 0.4), "bias: 60 % of the squared error, 50 to 70");
     EXPECT_EQ(kind({0.2, Interval{0.1, 0.3}}, 0.8), "noise; bias is 20 % of the squared error, 10 to 30");
+    EXPECT_EQ(kind({0.4, Interval{0.1, 0.7}}, 0.6), "bias and noise; bias is 40 % of the squared error, 10 to 70");
+    EXPECT_EQ(kind({0.6, Interval{0.4, 0.9}}, 0.4), "bias and noise; bias is 60 % of the squared error, 40 to 90");
     EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
     EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
     EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
@@ -223,12 +225,12 @@ TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
     for (EqualTimeLook& look : analysis.looks) {
         look.flip = 0.0625;
         look.passes = 4;
-        look.image_seconds = 1.5;
+        look.seconds = 1.5;
     }
-    const auto words = look_words(analysis, "box");
+    const auto words = scene_look(analysis, "box").methods;
     ASSERT_EQ(words.size(), 3u);
     EXPECT_EQ(words[0].look.method, "best");
-    EXPECT_TRUE(words[0].is_best);
+    EXPECT_EQ(words[0].standing, Standing::best);
     EXPECT_EQ(words[0].beside, "best");
     EXPECT_EQ(line_of(words[0].error), "1.01");
     EXPECT_EQ(line_of(words[0].flip), "0.0625");
@@ -238,7 +240,7 @@ TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
     EXPECT_EQ(words[2].missing, "refraction, caustics");
     for (TableRow& row : analysis.rows)
         row.noise_floor = 0.0009;
-    EXPECT_EQ(line_of(look_words(analysis, "box")[1].error), "below 3.00, not resolved");
+    EXPECT_EQ(line_of(scene_look(analysis, "box").methods[1].error), "below 3.00, not resolved");
 }
 
 // The same state has the same words in every place: "not resolved" if the reference hides it, else "not reached".

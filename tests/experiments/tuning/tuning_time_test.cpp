@@ -31,6 +31,14 @@ TEST(SharedSeconds, EndInTime) {
     EXPECT_GT(shared_seconds({3}, 0, 1).front(), 0) << "one pass always completes";
 }
 
+// 30 s even out to 10 s each, less than half of what each one wants.
+TEST(PromisingSeconds, LetTheFirstOneReachWhatNoneWouldReach) {
+    EXPECT_THAT(promising_seconds({40, 60, INFINITY}, 2, 30, 0), ElementsAre(24, 3, 3));
+    EXPECT_THAT(promising_seconds({16, 60, INFINITY}, 2, 30, 0), ElementsAre(10, 10, 10)) << "the first one reaches it";
+    EXPECT_THAT(promising_seconds({60, 61, INFINITY}, 2, 30, 0), ElementsAre(10, 10, 10)) << "nothing helps";
+    EXPECT_LE(sum(promising_seconds({40, 60, INFINITY}, 2, 30, 1)) + 3, 30 + 1e-9);
+}
+
 /// rel_mse = floor + 1 / (seconds - 0.5), after 1, 2, 4, ... passes of 1 s each.
 Cell run_with_floor(double floor, int checkpoints) {
     Cell cell;
@@ -122,6 +130,17 @@ TEST(Verdict, IsNotReachableBelowAFloorThatTheRunsShow) {
     EXPECT_LT(v.floor.interval->lo, v.floor.value);
     EXPECT_GT(v.floor.interval->hi, v.floor.value);
     EXPECT_EQ(verdict_of(runs, 0.2, false).state, Verdict::measured) << "the floor lies below";
+}
+
+// No run has reached the target after 4 s, whatever their law says; one run has no scatter.
+TEST(Verdict, ExtrapolatedIntervalsBeginWhereTheRunsEnd) {
+    for (const auto& runs : {std::vector{run_at(1, 0, 3)}, {run_at(1, 0, 3), run_at(1, 0, 3, 4)}}) {
+        const Verdict v = verdict_of(runs, 0.1, true);
+        ASSERT_EQ(v.state, Verdict::extrapolated);
+        ASSERT_TRUE(v.seconds.interval);
+        EXPECT_GE(v.seconds.interval->lo, 4);
+        EXPECT_TRUE(std::isinf(v.seconds.interval->hi));
+    }
 }
 
 TEST(Verdict, OfConvergedRunsIsTheirError) {
