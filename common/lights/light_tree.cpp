@@ -159,7 +159,7 @@ LightTree::LightTree(const std::vector<Light>& lights, const std::vector<Shape>&
         if (!(power_of(lights[l]).mean() > 0)) continue;
         if (const auto irradiance = irradiance_of_distant(lights[l])) {
             const auto* const sun = std::get_if<DirectionalLight>(&lights[l]);
-            distant_.push_back({l, *irradiance, sun ? Vec3d(sun->direction.cast<double>()) : Vec3d(Vec3d::Zero())});
+            distant_.push_back({l, *irradiance, sun ? sun->direction : Vec3(Vec3::Zero())});
         } else {
             leaves.push_back({l, bounds_of(lights[l], shapes)});
             finite_.push_back(l);
@@ -293,7 +293,8 @@ double LightTree::probability_in_tree(const LitPoint& at, std::uint32_t light) c
     return (1 - even_share) * by_importance + even_share / static_cast<double>(finite_.size());
 }
 
-float LightTree::probability_of_several(const LitPoint& at, std::uint32_t light) const {
+float LightTree::probability(const LitPoint& at, std::uint32_t light) const {
+    if (only_) return light == *only_ ? 1.f : 0.f;
     const double sum = importance_of_all(at);
     for (const Distant& distant : distant_)
         if (distant.light == light) return static_cast<float>(share(distant.importance(at), sum));

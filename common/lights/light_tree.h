@@ -73,12 +73,11 @@ public:
     };
     /// Chooses a light by u in [0, 1). Empty if no light was found that can reach the point: that sample is 0.
     std::optional<Choice> choose(const LitPoint& at, float u) const {
-        return only_ ? Choice{*only_, 1.f} : choose_of_several(at, u);
+        if (only_) return Choice{*only_, 1.f};
+        return choose_of_several(at, u);
     }
     /// The probability with which choose() returns the light.
-    float probability(const LitPoint& at, std::uint32_t light) const {
-        return only_ ? static_cast<float>(light == *only_) : probability_of_several(at, light);
-    }
+    float probability(const LitPoint& at, std::uint32_t light) const;
 
 private:
     static constexpr std::uint32_t none = ~0u;
@@ -93,16 +92,12 @@ private:
     struct Distant {
         std::uint32_t light;
         double irradiance;
-        Vec3d direction;  ///< direction in which the light travels; zero for an environment
+        Vec3 direction;  ///< direction in which the light travels; zero for an environment
 
-        double importance(const LitPoint& at) const {
-            return at.side.cast<double>().dot(direction) > 0 ? 0 : irradiance;
-        }
+        double importance(const LitPoint& at) const { return at.side.dot(direction) > 0 ? 0 : irradiance; }
     };
 
     std::optional<Choice> choose_of_several(const LitPoint& at, float u) const;
-    float probability_of_several(const LitPoint& at, std::uint32_t light) const;
-
     struct Leaf;
     void build(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end, std::uint32_t node);
     static std::size_t split(std::vector<Leaf>& leaves, std::size_t begin, std::size_t end);

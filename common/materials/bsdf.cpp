@@ -231,10 +231,6 @@ void Bsdf::prepare() {
     }
 }
 
-bool Bsdf::two_sided() const {
-    return std::any_of(layers_.begin(), layers_.end(), [](const Layer& l) { return l.flipped; });
-}
-
 LobeTraits Bsdf::traits_of_side(bool below) const {
     LobeTraits traits;
     for (const Layer& layer : layers_) {

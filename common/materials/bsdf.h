@@ -133,7 +133,6 @@ public:
     const LobeTraits& traits() const { return traits_; }
     /// Whether any light is scattered.
     bool reflects() const { return traits_.scatters(); }
-    bool two_sided() const;
     /// Whether a bump or normal map gives any layer its own normal.
     bool is_tilted() const { return is_tilted_; }
     const std::vector<Layer>& layers() const { return layers_; }

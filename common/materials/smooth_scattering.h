@@ -23,9 +23,12 @@ struct Diffuse {
     }
     std::optional<BsdfSample> sample_local(const Vec3& wo, float, const Vec2& u, Transport, Lobes which) const {
         if (wo.z() <= 0.f || which == Lobes::specular || is_black(reflectance)) return std::nullopt;
-        const Vec3 wi = square_to_cosine_hemisphere(u);
-        return BsdfSample{
-            .wi = wi, .f = reflectance * inv_pi, .pdf_w = cosine_hemisphere_pdf(wi.z()), .lobe = LobeKind::diffuse};
+        std::optional<BsdfSample> sample(std::in_place);  // assigned member by member, as a copy of it takes longer
+        sample->wi = square_to_cosine_hemisphere(u);
+        sample->f = reflectance * inv_pi;
+        sample->pdf_w = cosine_hemisphere_pdf(sample->wi.z());
+        sample->lobe = LobeKind::diffuse;
+        return sample;
     }
     ScatteringCoefficients coefficients_local(const Vec3& wo) const {
         ScatteringCoefficients c;

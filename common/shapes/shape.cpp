@@ -185,12 +185,11 @@ void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
     b2 = least2 + more2;
 }
 
-/// If the sum of the vertex normals is zero, the normal of the face is used.
-Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const {
+Vec3 Mesh::interpolated_normal(std::size_t i, float b1, float b2) const {
     const auto& t = triangles[i];
     const Vec3 ns = (1.f - b1 - b2) * normals[t[0]] + b1 * normals[t[1]] + b2 * normals[t[2]];
     const float length = ns.norm();
-    return length > 0.f ? Vec3(ns * ((flip_normals ? -1.f : 1.f) / length)) : ng;
+    return length > 0.f ? Vec3(ns * ((flip_normals ? -1.f : 1.f) / length)) : Vec3(Vec3::Zero());
 }
 
 Vec3d Mesh::normal_of(std::size_t i) const {

@@ -71,8 +71,8 @@ private:
     Facet facet_of(std::size_t i) const;
     /// Moves the weights to the nearest ones, or nearly, that are no less than the facet's least weights.
     static void keep_off_edges(const Facet& facet, float& b1, float& b2);
-    /// The unit shading normal, interpolated between the vertex normals.
-    Vec3 interpolated_normal(std::size_t i, float b1, float b2, const Vec3& ng) const;
+    /// The unit shading normal, interpolated between the vertex normals; zero if their sum is.
+    Vec3 interpolated_normal(std::size_t i, float b1, float b2) const;
 };
 
 struct Sphere {
@@ -170,12 +170,17 @@ inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
         const Facet::Four p = facet.v0 + (b1 * facet.e1 + b2 * facet.e2);
         return {Vec3(p[0], p[1], p[2]), Vec3(facet.ng[0], facet.ng[1], facet.ng[2]), facet.v0[3]};
     };
-    return facets.empty() ? point(facet_of(i)) : point(facets[i]);
+    if (facets.empty()) return point(facet_of(i));
+    return point(facets[i]);
 }
 
 inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const {
     SurfaceGeometry s{point_at(i, b1, b2), Vec3(), Vec2(b1, b2), static_cast<std::uint32_t>(i), Vec2(b1, b2)};
-    s.ns = normals.empty() ? s.ng : interpolated_normal(i, b1, b2, s.ng);
+    s.ns = s.ng;
+    if (!normals.empty()) {
+        const Vec3 ns = interpolated_normal(i, b1, b2);
+        if (!ns.isZero(0)) s.ns = ns;
+    }
     if (!uvs.empty()) {
         const auto& t = triangles[i];
         s.uv = (1.f - b1 - b2) * uvs[t[0]] + b1 * uvs[t[1]] + b2 * uvs[t[2]];
