@@ -40,7 +40,7 @@ std::string error_kind(const TableRow& row) {
             return fmt::format("{}bias {} of the squared error",
                                share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
         case State::measured:
-            return share.interval->lo > 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
+            return share.interval->lo >= 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
                                             : fmt::format("{}noise; bias is {} of the squared error, {}",
                                                           share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
         case State::cannot_be_told:
