@@ -9,7 +9,7 @@
 namespace gib::test::lit_spots_test {
 namespace {
 
-LoadedScene square_under(const std::string& light, const std::string& material = bsdf("twosided", diffuse(0.5))) {
+LoadedScene square_under(const std::string& light, const std::string& material = diffuse(0.5)) {
     return Scene(element("sensor", "orthographic", box_film(4)), shape("rectangle", to_world(scale(10)), material),
                  light)
         .load();

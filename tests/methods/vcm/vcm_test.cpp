@@ -118,7 +118,7 @@ TEST(VcmRadius, IsNoLargerThanWhatItLooksAt) {
             SeedMeans found = seed_means(scene, method, 16);
             Moments expected, error, unknown, stated;
             for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-                const auto& [mean, bias] = sums_of(found[seed]).at({Component::caustic, 0});
+                const auto [mean, bias] = sums_of(found[seed]).at({Component::caustic, 0});
                 const double exact = sums_of(truth[seed]).at({Component::caustic, 0}).mean;
                 expected.add(exact);
                 error.add(mean - exact);

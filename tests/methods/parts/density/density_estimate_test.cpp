@@ -261,8 +261,9 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
                 const Sampler u(PointSet::independent, seed + 1000, static_cast<std::uint64_t>(i), 0);
                 const Vec2 a = u.get_2d(0);
                 const Vec3 p(a.x() - 0.5f, a.y() - 0.5f, 4.5f + u.get_1d(1));
+                NumberStream numbers(u);
                 sum += static_cast<double>(
-                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2)
+                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, numbers)
                         .radiance[0]);
             }
             means.add(sum / look_ups * 4 * pi_d * 8);
@@ -281,9 +282,10 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     const PhotonMap map(photons, 1);
     RayQueries rays(*large_plane().scene);
     const Sampler u(PointSet::independent, 1, 1, 0);
+    NumberStream numbers(u);
     const VolumeEstimator estimator{Kernel::uniform, 100, 1.f, DiscArea::plain};
     const auto sum = [&](const EyePath& eye) {
-        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0).radiance *
+        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, numbers).radiance *
                      (4 * pi * 4 / 3 * pi));
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);
