@@ -1,11 +1,11 @@
 #include "experiments/measuring/reference.h"
 
 #include "common/core/files.h"
-#include "common/core/memory_limit.h"
 #include "common/images/image_file.h"
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
+#include "experiments/measuring/reference_memory.h"
 #include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
@@ -21,6 +21,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <utility>
 
 namespace gib {
 
@@ -30,6 +32,8 @@ namespace {
 constexpr double batch_worth_keeping = 5;
 /// Least time between two writes of the file [s]: short rounds are not worth a write each.
 constexpr double save_interval = 15;
+/// A reference ends when its squared error is so many of its own standard errors below the target.
+constexpr double stopping_margin = 1;
 /// If one group carries more than this share of the scatter, the standard error is unreliable; Gaussian noise gives
 /// about 0.27 (dominance_of_one_group()).
 constexpr double heavy_tail_share = 0.5;
@@ -80,7 +84,7 @@ public:
     }
 
     FinishedReference make() {
-        require_memory_for_groups();
+        require_memory_for_reference(work_.scene.scene->sensor().width(), work_.scene.scene->sensor().height());
         open();
         // The shares decide how many passes are enough, so that they are read before that is asked.
         const bool has_shares = makers_.size() == 1 || take_stored_shares();
@@ -117,18 +121,6 @@ public:
     }
 
 private:
-    /// Throws InputError unless memory can hold what is alive while the file is written. It is counted in images,
-    /// for each component and the total: the groups, the reference with its own copy of the groups, the same as
-    /// layers, and the file's bytes twice, because noise hardly compresses. A round takes less, a batch of each
-    /// group and two references.
-    void require_memory_for_groups() const {
-        const auto& sensor = work_.scene.scene->sensor();
-        const double whole = reference_groups + 2;
-        const double layers = (reference_groups + 4 * whole) * (component_count + 1);
-        require_memory(3.0 * sizeof(float) * sensor.width() * sensor.height() * layers,
-                       fmt::format("a reference of {} x {} pixels", sensor.width(), sensor.height()));
-    }
-
     void open() {
         saved_at_ = now();
         if (!std::filesystem::exists(work_.path)) return;
@@ -161,8 +153,9 @@ private:
         const Denominators denominators(total, result_.epsilon);
         const SampleMean variance = denominators.variance_of(total);
         const double bias = relative_bias(total, denominators);
-        result_.relative_error = std::sqrt(variance.value + sqr(bias));
-        error_bound_ = std::sqrt(variance.value + 2 * std::sqrt(variance.variance.variance) + sqr(bias));
+        error2_ = variance.value + sqr(bias);
+        error2_scatter_ = std::sqrt(variance.variance.variance);
+        result_.relative_error = std::sqrt(error2_);
         plain_error_ = relative_standard_error(total, Denominators(total.mean, result_.epsilon));
         if (!std::isfinite(result_.relative_error))
             throw RunError(
@@ -177,19 +170,24 @@ private:
         if (goal.target)
             result_.warnings.push_back(fmt::format(
                 "the reference's relative error is {:.3g} %, or up to {:.3g} %, after {}; its target was {:.3g} %",
-                100 * result_.relative_error, 100 * error_bound_, duration_text(groups_.seconds), 100 * *goal.target));
+                100 * result_.relative_error, 100 * error_up_to(2), duration_text(groups_.seconds),
+                100 * *goal.target));
         return true;
     }
 
     ReferenceState state() const {
         return {.rounds = groups_.rounds,
                 .passes = groups_.passes,
-                .error = error_bound_,
+                .error = error_up_to(stopping_margin),
                 .work = groups_.work,
                 .seconds = groups_.seconds,
                 .pilot_seconds = pilot_seconds_,
-                .pilot_work = pilot_work_};
+                .pilot_work = pilot_work_,
+                .unit_work = unit_work_,
+                .foreseen_work = foreseen_work_};
     }
+    /// The relative error, so many standard errors of its square above the estimate.
+    double error_up_to(double standard_errors) const { return std::sqrt(error2_ + standard_errors * error2_scatter_); }
 
     /// Whether this process may make those of the batches that are not there. If not, result_.missing has those of
     /// `ahead`.
@@ -252,8 +250,10 @@ private:
                 agreement_.set_pilot(m, pilots[m].groups);
             const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
             shares_ = plan.shares;
+            unit_work_ = reference_groups * plan.unit_work;
             const auto& goal = work_.goal;
-            const bool enough = goal.target && pilot_work_ > pilot_share * plan.error2_work / sqr(*goal.target);
+            if (goal.target) foreseen_work_ = plan.error2_work / sqr(*goal.target);
+            const bool enough = goal.target && pilot_work_ > pilot_share * foreseen_work_;
             const bool late =
                 goal.seconds && pilot_seconds_ > (goal.target ? pilot_share_of_limit : pilot_share) * *goal.seconds;
             if (enough || late || round + 1 == most_pilot_rounds) break;
@@ -295,21 +295,24 @@ private:
         leave_out_lacking();
     }
 
-    /// If two makers disagree about a component, the one that has found less light lacks some. It makes no more of the
-    /// component, and the reference begins again with new seeds, so that weights do not depend on the images that they weigh.
+    /// If two makers disagree about a component, the one that has found less light lacks some. If it makes the component, it makes
+    /// no more of it, and the reference begins again with new seeds, so that weights do not depend on the images that they weigh.
     /// The maker that is left is compared with the pilots at the end.
     void leave_out_lacking() {
-        const auto makes = [&](std::size_t m, Component c) { return weight(m, c) > 0; };
-        const auto found = agreement_.between_makers(makes);
-        if (!found) return;
-        double left = 0;
-        for (std::size_t m = 0; m < shares_.size(); ++m)
-            left += m == found->lesser() ? 0 : weight(m, found->component);
-        for (std::size_t m = 0; m < shares_.size(); ++m)
-            weight(m, found->component) *= m == found->lesser() ? 0 : 1 / left;
+        const auto samples = [&](std::size_t m, Component c) {
+            const auto& unresolved = makers_[m].unresolved();
+            return std::find(unresolved.begin(), unresolved.end(), c) == unresolved.end() && !lacks_.count({m, c});
+        };
+        const std::vector<Disagreement> all = agreement_.between_makers(samples);
+        const auto found = std::find_if(all.begin(), all.end(), [&](const Disagreement& one) {
+            return shares_[one.lesser()].weight(one.component) > 0;
+        });
+        if (found == all.end()) return;
+        const Component c = found->component;
+        lacks_.emplace(found->lesser(), c);
+        leave_to_others(shares_, c, found->lesser(), found->greater());
         lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it made none of it",
-                                       shares_[found->lesser()].method, name_of(found->component),
-                                       shares_[found->lesser() == found->a ? found->b : found->a].method,
+                                       shares_[found->lesser()].method, name_of(c), shares_[found->greater()].method,
                                        text_of(found->where)));
         groups_.restart();
         agreement_.restart();
@@ -328,10 +331,6 @@ private:
                             shares_[found.a].method, name_of(found.component), text_of(found.where)));
         }
         result_.reference.unresolved = unresolved_;
-    }
-
-    double& weight(std::size_t maker, Component c) {
-        return shares_[maker].weights[static_cast<std::size_t>(index_of(c))];
     }
 
     /// A batch from the folder of batches, or made now. It stays there until the file holds its round.
@@ -410,7 +409,7 @@ private:
             result_.warnings.push_back(fmt::format(
                 "the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %, though it would seem to be "
                 "{:.3g} % with its own noise in the denominator",
-                100 * result_.relative_error, 100 * error_bound_, 100 * plain_error_));
+                100 * result_.relative_error, 100 * error_up_to(2), 100 * plain_error_));
         const double share = dominance_of_one_group(result_.reference.total.groups);
         if (share > heavy_tail_share)
             result_.warnings.push_back(
@@ -455,11 +454,13 @@ private:
     std::vector<MakerShare> shares_;
     MakerAgreement agreement_;
     std::string stored_shares_;
-    std::vector<std::string> lacking_;  ///< what makers or pilots disagree about
-    double error_bound_ = 0;            ///< the relative error, two standard errors of its square above the estimate
-    double plain_error_ = 0;            ///< the relative error with the image itself in the denominator
-    std::vector<ReferenceBatch> used_;  ///< batches used from their folder since the file was written
+    std::vector<std::string> lacking_;                   ///< what makers or pilots disagree about
+    std::set<std::pair<std::size_t, Component>> lacks_;  ///< the components that makers lack light of
+    double error2_ = 0, error2_scatter_ = 0;     ///< squared relative error, and the standard error of this estimate
+    double plain_error_ = 0;                     ///< the relative error with the image itself in the denominator
+    std::vector<ReferenceBatch> used_;           ///< batches used from their folder since the file was written
     double pilot_seconds_ = 0, pilot_work_ = 0;  ///< time [s] and work of a pilot of this session
+    double unit_work_ = 0, foreseen_work_ = 0;   ///< work of a unit of all groups, and up to the target, by the pilot
     ReferenceGroups groups_;
     FinishedReference result_;
     double saved_at_ = 0;

@@ -33,6 +33,7 @@ struct Disagreement {
 
     /// The maker that has found less light.
     std::size_t lesser() const { return where.deviation < 0 ? a : b; }
+    std::size_t greater() const { return where.deviation < 0 ? b : a; }
 };
 
 class MakerAgreement {
@@ -50,18 +51,17 @@ public:
     void write(const std::string& path, const std::string& state) const;
     void read(const std::string& path, const std::string& state);
 
-    /// The first disagreement between makers about a component that both make. `makes(maker, component)` says whether
-    /// one does. All tests together reject makers that agree with a probability of 0.1 % at most.
-    template <typename Makes>
-    std::optional<Disagreement> between_makers(const Makes& makes) const {
+    /// The disagreements between makers about the components that both sample. `samples(maker, component)` says whether one
+    /// does. All tests together reject makers that agree with a probability of 0.1 % at most.
+    template <typename Samples>
+    std::vector<Disagreement> between_makers(const Samples& samples) const {
         std::vector<Disagreement> pairs;
         for (Component c : all_components)
             for (std::size_t a = 0; a < groups_.size(); ++a)
                 for (std::size_t b = a + 1; b < groups_.size(); ++b)
-                    if (holds(groups_[a], c) && holds(groups_[b], c) && makes(a, c) && makes(b, c))
+                    if (holds(groups_[a], c) && holds(groups_[b], c) && samples(a, c) && samples(b, c))
                         pairs.push_back({c, a, b, {}});
-        const auto found = tested(std::move(pairs), nullptr);
-        return found.empty() ? std::nullopt : std::optional(found.front());
+        return tested(std::move(pairs), nullptr);
     }
     /// The light that pilots have seen and the groups of the finished reference lack, also of makers that cannot sample all of
     /// a component.

@@ -8,7 +8,8 @@
 // per cent and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in proportion to
 // t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
 // these variances as small as possible. If that gains little over the best maker, this one does nine tenths of the work. A second
-// one always gets a tenth, so that there is something to compare with (reference_agreement.h). Weights and shares are fixed before
+// one always gets a tenth, so that there is something to compare with (reference_agreement.h). Where a maker would weigh less than
+// a tenth, it makes none of a component: little is gained by its images, and their rare bright hits might be missing. Weights and shares are fixed before
 // the images that they weigh are made, so the combination is unbiased.
 //
 // Where no unbiased method samples all paths, a consistent one may make the remainder of one of them
@@ -67,6 +68,8 @@ struct MakerShare {
     std::string method;
     std::uint32_t passes = 1;
     std::array<double, component_count> weights{};  ///< image weights by component; they sum to 1 over the makers
+
+    double& weight(Component c) { return weights[static_cast<std::size_t>(index_of(c))]; }
 };
 
 /// Measured in a pilot.
@@ -80,11 +83,15 @@ struct MakerPilot {
 struct MakerPlan {
     std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
     double error2_work = 0;          ///< the predicted squared relative error times the work that it takes
+    double unit_work = 0;            ///< work of one unit
 };
 /// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:
 /// the default (epsilon.h), of the light that the pilots have found.
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
                                  const std::optional<double>& epsilon);
+
+/// Takes a component from the maker `lesser`: the others make it, or `greater` if none of them did.
+void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t lesser, std::size_t greater);
 
 /// As text, for a reference's metadata, and back; empty if the text is none.
 std::string text_of(const std::vector<MakerShare>& shares);

@@ -3,6 +3,7 @@
 #include "common/core/math.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace gib {
@@ -16,6 +17,9 @@ constexpr double longest_round = 1e8, longest_share = 1.0 / 8;
 /// estimated error is too small; stopping at its first small value would favour exactly those moments.
 constexpr std::uint32_t fewest_passes = 8;
 constexpr int most_rounds_ahead = 16;
+/// The first round takes this share of the work that the pilot foresees, and of the time limit. Sobol' points are the better the
+/// more of them a batch has.
+constexpr double first_share = 1.0 / 3;
 
 /// The number of units in which some maker makes fewest_passes.
 std::uint64_t fewest_units(const std::vector<MakerShare>& shares) {
@@ -37,8 +41,17 @@ double ReferenceSchedule::passes_needed(const ReferenceState& state, const std::
     return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_units(shares)) - done});
 }
 
+std::uint32_t ReferenceSchedule::first_passes(const ReferenceState& state) const {
+    if (!(state.foreseen_work > 0 && state.unit_work > 0)) return 1;
+    double work = std::min(first_share * state.foreseen_work, longest_round);
+    if (goal_.seconds && state.pilot_seconds > 0)
+        work = std::min(work, first_share * (*goal_.seconds - state.seconds) * state.pilot_work / state.pilot_seconds);
+    // Sobol' points are best in numbers that are powers of two.
+    return std::bit_floor(static_cast<std::uint32_t>(std::clamp(work / state.unit_work, 1.0, 1e9)));
+}
+
 std::uint32_t ReferenceSchedule::next_passes(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
-    if (state.passes == 0) return 1;
+    if (state.passes == 0) return first_passes(state);
     const auto done = static_cast<double>(state.passes);
     double passes = done;
     if (state.work > 0) passes = std::min(passes, std::max(longest_round / (state.work / done), longest_share * done));
@@ -84,8 +97,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState stat
 }
 
 double ReferenceSchedule::work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
-    // A pilot makes more passes than the first rounds.
-    if (state.passes == 0) return state.pilot_work > 0 ? state.pilot_work : infinity;
+    if (state.passes == 0) return state.pilot_work > 0 ? std::max(state.pilot_work, state.foreseen_work) : infinity;
     double share = infinity;  // work left, as a multiple of the work so far
     if (goal_.target) share = passes_needed(state, shares) / static_cast<double>(state.passes);
     if (goal_.seconds) share = std::min(share, std::max(0.0, *goal_.seconds / std::max(state.seconds, 1e-9) - 1));

@@ -20,6 +20,8 @@ struct ReferenceState {
     double seconds = 0;  ///< time of all rounds and the pilot
     double pilot_seconds = 0;  ///< time of the pilot
     double pilot_work = 0;     ///< work of the pilot; 0: there was none
+    double unit_work = 0;      ///< work of one pass of all groups, by the pilot
+    double foreseen_work = 0;  ///< work up to the target, by the pilot; 0: unknown
 };
 
 class ReferenceSchedule {
@@ -41,6 +43,9 @@ public:
     double work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
 
 private:
+    /// The passes of the first round.
+    std::uint32_t first_passes(const ReferenceState& state) const;
+
     const ReferenceGoal& goal_;
 };
 

@@ -6,7 +6,6 @@
 #include "common/images/image_digest.h"
 #include "common/sampling/sampler.h"
 #include "experiments/measuring/reference_makers.h"
-#include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
@@ -471,28 +470,6 @@ TEST(StoredReference, HoldsTheLightOfASmallLampOrSaysThatItDoesNot) {
         EXPECT_TRUE(std::count(r.unresolved.begin(), r.unresolved.end(), c) > 0 || mean_of(r[c]->mean).sum() > 0)
             << name_of(c);
     }
-}
-
-TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
-    const ReferenceGoal goal{0.01, std::nullopt};
-    const ReferenceSchedule schedule(goal);
-    const std::vector<MakerShare> shares = {{"a", 2, {}}, {"b", 0, {}}, {"c", 1, {}}};
-    const ReferenceState state{.rounds = 5, .passes = 16, .error = 0.0199, .work = 1e6, .seconds = 3};
-    EXPECT_EQ(schedule.next_passes(state, shares), 16u) << "at most as many as before";
-    const auto batches = schedule.next_batches(state, shares);
-    ASSERT_EQ(batches.size(), 2u * reference_groups) << "no batch of a maker without a share";
-    EXPECT_EQ(batches[1].maker, 2u);
-    const ReferenceBatch& third = batches[2];
-    EXPECT_EQ(std::tuple(third.passes, third.passes_before), std::tuple(32u, 32u));
-    EXPECT_EQ(third.number, 5u * reference_groups + 1);
-    // 47.4 passes are left: a round of 16 and one of 32.
-    EXPECT_EQ(schedule.batches_ahead(state, shares).size(), 2 * batches.size());
-    EXPECT_NEAR(schedule.work_left(state, shares), 2.96e6, 1e3);
-    ReferenceState long_rounds = state;
-    long_rounds.work = 16 * 5e7;
-    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "1e8 rays and samples";
-    long_rounds.work *= 100;
-    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "an eighth of what is done";
 }
 
 }  // namespace

@@ -69,10 +69,11 @@ TEST(MakerPlan, GivesTheWorkToTheCheaperMakerButForASecondOpinion) {
     const MakerPlan plan = plan_of(better, worse);
     EXPECT_EQ(plan.shares[0].passes, 9u);
     EXPECT_EQ(plan.shares[1].passes, 1u);
-    // Weights by precision: 9 / 0.01 and 1 / 0.04.
-    EXPECT_NEAR(weight(plan, 0, Component::direct), 36.0 / 37, 0.01);
+    // Weights by precision were 36 / 37, from 9 / 0.01 and 1 / 0.04; the second opinion makes nothing itself.
+    EXPECT_EQ(weight(plan, 0, Component::direct), 1);
     // The predicted squared error of one unit of work: the variances of both components over r^2 + epsilon.
-    EXPECT_NEAR(plan.error2_work, 2 * 10 / (900 + 25.0) / (4 + 0.01), 0.05 * 0.005);
+    EXPECT_NEAR(plan.error2_work, 2 * 10 / 900.0 / (4 + 0.01), 0.05 * 0.005);
+    EXPECT_EQ(plan.unit_work, 10);
     const MakerPlan slow = plan_of(better, worse, 100);
     EXPECT_LT(100 * slow.shares[0].passes, slow.shares[1].passes);
 }
@@ -112,6 +113,24 @@ TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
     EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
 }
 
+TEST(MakerShares, AreLeftToOthersWhereOneLacksLight) {
+    constexpr Component c = Component::caustic;
+    std::vector<MakerShare> shares(3);
+    shares[0].weight(c) = 0.5;
+    shares[1].weight(c) = 0.3;
+    shares[2].weight(c) = 0.2;
+    leave_to_others(shares, c, 0, 2);
+    EXPECT_EQ(shares[0].weight(c), 0);
+    EXPECT_NEAR(shares[1].weight(c), 0.6, 1e-12);
+    EXPECT_NEAR(shares[2].weight(c), 0.4, 1e-12);
+    leave_to_others(shares, c, 1, 2);
+    EXPECT_EQ(shares[2].weight(c), 1);
+    // The second opinion, which made nothing, has found more light than all who did.
+    leave_to_others(shares, c, 2, 0);
+    EXPECT_EQ(shares[0].weight(c), 1);
+    EXPECT_EQ(shares[2].weight(c), 0);
+}
+
 TEST(MakerPlan, IsReadFromItsText) {
     const MakerPlan plan = plan_of({.direct_noise = 0.3}, {.caustic_noise = 0.3});
     const auto read = shares_in(text_of(plan.shares));
@@ -129,16 +148,17 @@ TEST(MakerAgreement, SaysWhoDisagreesAboutWhatAndWhere) {
     MakerAgreement agree(2), differ(2);
     agree.add(0, groups_of({}, 1), 1);
     agree.add(1, groups_of({.direct_noise = 0.3}, 2), 1);
-    EXPECT_FALSE(agree.between_makers(all));
+    EXPECT_TRUE(agree.between_makers(all).empty());
     differ.add(0, groups_of({}, 1), 1);
     differ.add(1, groups_of({.lacking = 0.05}, 2), 1);
-    const auto found = differ.between_makers(all);
-    ASSERT_TRUE(found);
+    const auto both = differ.between_makers(all);
+    ASSERT_EQ(both.size(), 2u) << "direct and caustic light";
+    const Disagreement* found = &both.front();
     EXPECT_EQ(found->component, Component::direct);
-    EXPECT_EQ(found->lesser(), 1u);
+    EXPECT_EQ(std::pair(found->lesser(), found->greater()), std::pair(std::size_t{1}, std::size_t{0}));
     EXPECT_LE(found->where.x + found->where.width, 32);
     EXPECT_THAT(text_of(found->where), HasSubstr("standard errors"));
-    EXPECT_FALSE(differ.between_makers([](std::size_t m, Component) { return m == 0; })) << "not asked";
+    EXPECT_TRUE(differ.between_makers([](std::size_t m, Component) { return m == 0; }).empty()) << "not asked";
 }
 
 // One block of 8 x 8 pixels among 16 has a tenth more light.
@@ -151,8 +171,9 @@ TEST(MakerAgreement, FindsASmallRegion) {
                 group[Component::caustic]->set(static_cast<std::size_t>(32 * y + x), Color::Constant(1.1f));
     makers.add(0, groups_of({}, 1), 1);
     makers.add(1, groups, 1);
-    const auto found = makers.between_makers([](std::size_t, Component) { return true; });
-    ASSERT_TRUE(found);
+    const auto all = makers.between_makers([](std::size_t, Component) { return true; });
+    ASSERT_EQ(all.size(), 1u);
+    const Disagreement* found = &all.front();
     EXPECT_EQ(found->component, Component::caustic);
     EXPECT_EQ((std::array{found->where.x, found->where.y, found->where.width, found->where.height}),
               (std::array{16, 8, 8, 8}));
