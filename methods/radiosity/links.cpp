@@ -161,7 +161,7 @@ private:
         const PatchNode& q = nodes_[pair.q];
         if (p.is_cluster() || q.is_cluster()) return light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
         if (light_.area[pair.p] > 0.999 * p.area && light_.area[pair.q] > 0.999 * q.area) return 1;
-        constexpr std::uint32_t pairs = 64;
+        constexpr std::uint32_t pairs = 32;
         const double area = std::min(p.area, q.area);
         double total = 0, open = 0;
         for (std::uint32_t i = 0; i < pairs; ++i) {

@@ -230,10 +230,10 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to) {
     const double distance = (b_mean - a_mean).norm() - std::max(a_radius, b_radius);
     const double nearness = distance > 0 ? std::min(a_radius, b_radius) / distance : 1;
     const Vec3d& normal = a_is_smaller ? from.normal : to.normal;
-    const double integral = nearness < 0.06   ? area_integral(small, normal, large, two_nodes)
-                            : nearness < 0.25 ? area_integral(small, normal, large, three_nodes)
-                            : nearness < 0.55 ? area_integral(small, normal, large, five_nodes)
-                                              : contour_integral(small, large, a_is_smaller ? from.area : to.area);
+    const double integral = nearness < 0.1   ? area_integral(small, normal, large, two_nodes)
+                            : nearness < 0.3 ? area_integral(small, normal, large, three_nodes)
+                            : nearness < 0.6 ? area_integral(small, normal, large, five_nodes)
+                                             : contour_integral(small, large, a_is_smaller ? from.area : to.area);
     return std::clamp(integral / from.area, 0.0, 1.0);
 }
 
