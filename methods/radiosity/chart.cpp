@@ -16,8 +16,7 @@ constexpr double planarity = 1e-6;
 constexpr double least_shape = 1e-10;
 /// The extent of a chart over its distance from the origin below which rounding decides about its patches' corners.
 constexpr double least_resolution = 0x1p-40;
-/// The least numbers of pieces around a curved shape and from pole to pole of a sphere: their normals differ by 28
-/// degrees.
+/// The least numbers of pieces around a curved shape and from pole to pole: their normals differ by 28 degrees.
 constexpr std::uint32_t least_around = 13, least_along = 7;
 /// The largest number of pieces in one direction; smaller patches are made by halving pieces.
 constexpr double most_pieces = 256;

@@ -15,15 +15,6 @@
 
 namespace gib {
 
-/// An exact point of a chart: integer coordinates in units of 1 / chart_unit. On a triangle u + v <= chart_unit.
-struct ChartPoint {
-    std::uint32_t u = 0, v = 0;
-    friend bool operator==(const ChartPoint&, const ChartPoint&) = default;
-};
-inline constexpr std::uint32_t chart_unit = 1u << 24;
-inline std::uint64_t key_of(const ChartPoint& point) { return std::uint64_t{point.u} << 32 | point.v; }
-inline Vec2d uv_of(const ChartPoint& point) { return Vec2d(point.u, point.v) / chart_unit; }
-
 struct Chart {
     std::uint32_t shape, instance;                       ///< as SurfaceHit has them
     std::uint32_t primitive = 0;                         ///< number of the first triangle in a mesh

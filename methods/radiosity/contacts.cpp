@@ -1,62 +1,64 @@
 #include "methods/radiosity/contacts.h"
 
-#include "common/core/parallel.h"
-
-#include <atomic>
+#include <algorithm>
 
 namespace gib {
 
 namespace {
 
-constexpr std::size_t patches_per_block = 64;
-/// The height of rays over a patch, in radii of the patch.
-constexpr float lift = 0.02f;
-/// How far inside a patch the rays between its corners start and end, as a share of the way to its middle: walls
-/// along its edges do not stand on it.
-constexpr double inset = 0.02;
+/// The distance of surfaces that touch over the scene's diagonal: more than the rounding of coordinates.
+constexpr double touching = 1e-5;
+/// The least cosine between the normals of surfaces that count as parallel.
+constexpr double parallel = 0.999;
 
-/// Tests the edges and the diagonals of a leaf: what stands across the patch crosses one of them.
-bool is_clear(RayQueries& rays, const PatchMesh& mesh, const PatchNode& leaf) {
-    std::array<SurfacePoint, 4> points;
-    for (int i = 0; i < leaf.corner_count(); ++i) {
-        points[static_cast<std::size_t>(i)] = mesh.inside_corner(leaf, i, inset);
-        for (int k = 0; k < i; ++k)
-            if (!way_is_clear(rays, points[static_cast<std::size_t>(i)], points[static_cast<std::size_t>(k)],
-                              leaf.radius))
-                return false;
+bool contains(const PatchPolygon& polygon, const Vec3d& p) {
+    const auto corners = polygon.corners();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3d& next = corners[i + 1 == corners.size() ? 0 : i + 1];
+        if (!((next - corners[i]).cross(p - corners[i]).dot(polygon.normal) > 0)) return false;
     }
     return true;
 }
 
 }  // namespace
 
-bool way_is_clear(RayQueries& rays, const SurfacePoint& from, const SurfacePoint& to, double reach) {
-    const auto lifted = [&](const SurfacePoint& point) {
-        return Vec3(point.p + (point.offset + lift * static_cast<float>(reach)) * point.ng);
-    };
-    const Vec3 origin = lifted(from);
-    return !rays.intersect({.o = origin, .d = lifted(to) - origin, .t_max = 1.f});
+Contacts::Contacts(const PatchMesh& mesh)
+    : mesh_(mesh),
+      reach_(touching * static_cast<double>(mesh.charts().scene().diagonal())),
+      neighbours_(mesh.sides().size()) {
+    for (std::uint32_t side = 0; side < neighbours_.size(); ++side)
+        find(side);
 }
 
-void halve_at_contacts(PatchMesh& mesh, double least, std::uint64_t& rays) {
-    std::atomic<std::uint64_t> traced = 0;
-    for (std::size_t first = 0; first < mesh.nodes().size();) {
-        const std::size_t end = mesh.nodes().size();
-        std::vector<std::uint8_t> touched(end - first, 0);
-        parallel_blocks(end - first, patches_per_block, [&](std::size_t from, std::size_t to, std::size_t) {
-            RayQueries queries(mesh.charts().scene());
-            for (std::size_t i = from; i < to; ++i) {
-                const PatchNode& node = mesh.nodes()[first + i];
-                if (node.is_leaf() && node.radius > least && !mesh.chart_of(node).curved)
-                    touched[i] = is_clear(queries, mesh, node) ? 0 : 1;
-            }
-            traced += queries.count();
-        });
-        for (std::size_t i = 0; i < touched.size(); ++i)
-            if (touched[i]) mesh.split(static_cast<std::uint32_t>(first + i));
-        first = end;
+void Contacts::find(std::uint32_t index) {
+    const PatchSide& side = mesh_.sides()[index];
+    const PatchPolygon& polygon = mesh_.nodes()[side.root].polygon;
+    std::vector<std::uint32_t> charts = {side.chart}, open = {0};
+    while (!open.empty()) {
+        const PatchNode& node = mesh_.nodes()[open.back()];
+        open.pop_back();
+        if ((node.center - side.center).norm() > node.radius + side.radius + reach_) continue;
+        if (node.is_cluster()) {
+            open.insert(open.end(), {node.child, node.child + 1});
+            continue;
+        }
+        const PatchSide& other = mesh_.sides()[node.side];
+        const double cosine = node.polygon.normal.dot(polygon.normal);
+        if (std::abs(cosine) < parallel || std::ranges::find(charts, other.chart) != charts.end()) continue;
+        charts.push_back(other.chart);  // once, for both of its sides
+        neighbours_[index].push_back({&node.polygon, (cosine > 0) == (side.back == other.back)});
     }
-    rays += traced;
+}
+
+double Contacts::share(std::uint32_t side, const Vec3d& p) const {
+    int surfaces = 1;
+    for (const Neighbour& other : neighbours_[side]) {
+        if (std::abs(other.polygon->normal.dot(p - other.polygon->vertices[0])) > reach_) continue;
+        if (!contains(*other.polygon, p)) continue;
+        if (other.fronts_agree) ++surfaces;
+        else if (!mesh_.sides()[side].back) return covered;
+    }
+    return 1.0 / surfaces;
 }
 
 }  // namespace gib

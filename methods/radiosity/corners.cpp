@@ -1,67 +1,117 @@
 #include "methods/radiosity/corners.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
+#include <map>
 
 namespace gib {
 
 namespace {
 
-Colord radiosity_of(const RadiosityModel& model, std::uint32_t leaf, std::uint32_t vertex) {
-    const std::uint32_t patch = model.display().solved_patch(leaf);
-    const Colord indirect = model.display().vertex_irradiance()[vertex].cast<double>();
-    return model.light().reflectance[patch] * (model.light().irradiance[patch] + indirect);
+/// Shape, place in steps of a thousandth of a patch, and normal in steps of 1/64, so that rounding parts no corners.
+using Identity = std::array<long, 7>;
+
+Identity identity_of(std::uint32_t shape, const Vec3d& p, const Vec3& n) {
+    const auto normal = [&](int i) { return std::lround(64 * n[i]); };
+    return {shape, std::lround(p.x()), std::lround(p.y()), std::lround(p.z()), normal(0), normal(1), normal(2)};
 }
 
 }  // namespace
 
-std::vector<Colord> corner_radiosity(const RadiosityModel& model) {
-    const auto& nodes = model.mesh().nodes();
-    const auto& vertices = model.display().vertices();
-    const std::size_t count = vertices.vertices().size();
-    std::vector<Colord> B(count, Colord::Zero());
-    std::vector<double> area(count, 0.0);
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (!nodes[i].is_leaf()) continue;
-        for (std::size_t k = 0; k < static_cast<std::size_t>(nodes[i].corner_count()); ++k) {
-            const std::uint32_t vertex = vertices.of_leaf(i)[k];
-            B[vertex] += nodes[i].area * radiosity_of(model, i, vertex);
-            area[vertex] += nodes[i].area;
+PatchCorners::PatchCorners(const PatchMesh& mesh) : mesh_(mesh), of_leaf_(mesh.nodes().size()) {
+    std::map<Identity, std::uint32_t> known;
+    for (const std::uint32_t i : mesh.leaves()) {
+        const PatchNode& leaf = mesh.nodes()[i];
+        const Chart& chart = mesh.chart_of(leaf);
+        for (std::size_t k = 0; k < leaf.corner_count(); ++k) {
+            const Vec3d p = chart.position(leaf.corners[k]);
+            const Vec3 n = mesh.point_of_side(mesh.sides()[leaf.side], leaf.corners[k]).ns;
+            const auto [entry, is_new] = known.try_emplace(identity_of(chart.shape, 1000 / mesh.size() * p, n),
+                                                           static_cast<std::uint32_t>(places_.size()));
+            of_leaf_[i][k] = entry->second;
+            if (!is_new) continue;
+            places_.push_back(p.cast<float>());
+            normals_.push_back(n);
         }
     }
-    for (std::size_t i = 0; i < count; ++i)
-        if (area[i] > 0) B[i] /= area[i];
-    return B;
 }
 
-Vec3d corner_position(const RadiosityModel& model, const PatchVertex& corner) {
-    const PatchSide& side = model.mesh().sides()[model.mesh().nodes()[corner.leaf].side];
-    return model.mesh().charts()[side.chart].position(uv_of(corner.at));
-}
-
-std::array<std::uint32_t, 4> corners_in_turn(const RadiosityModel& model, std::uint32_t leaf) {
-    const PatchNode& node = model.mesh().nodes()[leaf];
-    const PatchSide& side = model.mesh().sides()[node.side];
-    std::array<std::uint32_t, 4> corners = model.display().vertices().of_leaf(leaf);
+std::array<std::uint32_t, 4> PatchCorners::in_turn(std::uint32_t leaf) const {
+    const PatchNode& node = mesh_.nodes()[leaf];
+    std::array<std::uint32_t, 4> corners = of_leaf_[leaf];
     // The mesh has the corners in the chart's order, which is the opposite one on one of its two sides.
-    if (model.mesh().charts()[side.chart].reversed != side.back)
-        std::reverse(corners.begin(), corners.begin() + node.corner_count());
+    if (mesh_.chart_of(node).reversed != mesh_.sides()[node.side].back)
+        std::reverse(corners.begin(), corners.begin() + node.polygon.count);
+    if (node.corner_count() == 3) corners[3] = corners[2];
     return corners;
 }
 
-StoredPatches stored_patches(const RadiosityModel& model) {
-    StoredPatches stored;
-    for (const PatchVertex& corner : model.display().vertices().vertices())
-        stored.corners.push_back(corner_position(model, corner).cast<float>());
-    for (const Colord& b : corner_radiosity(model))
-        stored.radiosity.push_back(b.cast<float>());
-    const auto& nodes = model.mesh().nodes();
-    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-        if (!nodes[i].is_leaf()) continue;
-        std::array<std::uint32_t, 4> corners = corners_in_turn(model, i);
-        if (nodes[i].corner_count() == 3) corners[3] = corners[2];
-        stored.patches.push_back(corners);
+/// Each round adds to a corner the mean, over the patches around it, of what the mean of their corners lacks. The first
+/// gives the mean of the patches; without the others, patches at an edge would lose light, as there is often more of it
+/// than in the patches beside them.
+std::vector<Colord> PatchCorners::values(const PatchColors& of_leaves, const std::vector<double>& areas) const {
+    constexpr int rounds = 4;
+    std::vector<Colord> values(size(), Colord::Zero());
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<Colord> lacking(size(), Colord::Zero());
+        std::vector<double> area(size(), 0.0);
+        for (const std::uint32_t leaf : mesh_.leaves()) {
+            const PatchNode& node = mesh_.nodes()[leaf];
+            const std::span corners(of_leaf_[leaf].data(), node.corner_count());
+            Colord mean = Colord::Zero();
+            for (const std::uint32_t corner : corners)
+                mean += values[corner] / static_cast<double>(corners.size());
+            for (const std::uint32_t corner : corners) {
+                lacking[corner] += areas[leaf] * (of_leaves[leaf] - mean);
+                area[corner] += areas[leaf];
+            }
+        }
+        for (std::size_t i = 0; i < size(); ++i)
+            values[i] += lacking[i] / area[i];
     }
+    for (Colord& value : values)
+        value = value.max(0.0);
+    return values;
+}
+
+StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners, const PatchLight& light,
+                             const PatchColors& B) {
+    StoredPatches stored;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        stored.corners.push_back(corners.place(i));
+    for (const Colord& b : corners.values(B, light.area))
+        stored.radiosity.push_back(b.cast<float>());
+    for (const std::uint32_t leaf : mesh.leaves())
+        stored.patches.push_back(corners.in_turn(leaf));
     return stored;
+}
+
+std::string patches_ply(const StoredPatches& patches, const PatchCorners& corners) {
+    std::string ply = "ply\nformat ascii 1.0\ncomment radiosity: B_red, B_green, B_blue in W/m^2\n";
+    auto out = std::back_inserter(ply);
+    fmt::format_to(out, "element vertex {}\n", corners.size());
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "B_red", "B_green", "B_blue"})
+        fmt::format_to(out, "property float {}\n", name);
+    for (const char* name : {"red", "green", "blue"})
+        fmt::format_to(out, "property uchar {}\n", name);
+    fmt::format_to(out, "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+                   patches.patches.size());
+    float largest = 0.f;
+    for (const Color& B : patches.radiosity)
+        largest = std::max(largest, B.maxCoeff());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 &p = corners.place(i), &n = corners.normal(i);
+        const Color &B = patches.radiosity[i], shown = largest > 0.f ? Color(255.f * B / largest) : B;
+        fmt::format_to(out, "{:.9g} {:.9g} {:.9g} {:.6g} {:.6g} {:.6g} {:.9g} {:.9g} {:.9g} {:.0f} {:.0f} {:.0f}\n",
+                       p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), B[0], B[1], B[2], shown[0], shown[1], shown[2]);
+    }
+    for (const auto& patch : patches.patches) {
+        const std::size_t count = patch[3] == patch[2] ? 3 : 4;
+        fmt::format_to(out, "{} {}\n", count, fmt::join(std::span(patch).first(count), " "));
+    }
+    return ply;
 }
 
 }  // namespace gib

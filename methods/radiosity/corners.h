@@ -1,21 +1,43 @@
 #pragma once
-// The corners of a radiosity solution's patches with their radiosity, for files and for display.
+// The plain display of a solution interpolates values at the corners of patches: a corner takes the mean of the patches
+// around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one, by rays, is in view.cpp.
 
 #include "methods/parts/stored_light/stored_light.h"
-#include "methods/radiosity/model.h"
+#include "methods/radiosity/system.h"
 
 namespace gib {
 
-/// B [W/m^2] of every corner, in the order of PatchVertices: at a leaf's corner, the reflectance of its patch times the
-/// sum of the patch's direct irradiance and the indirect irradiance at the corner; at a corner that leaves share, the
-/// mean over them, weighted by area.
-std::vector<Colord> corner_radiosity(const RadiosityModel& model);
-/// The place of a corner [scene units].
-Vec3d corner_position(const RadiosityModel& model, const PatchVertex& corner);
-/// The corners of a leaf, counter-clockwise as seen from the front of its side. The fourth of a triangle is unused.
-std::array<std::uint32_t, 4> corners_in_turn(const RadiosityModel& model, std::uint32_t leaf);
+/// The corners of patches. Those in the same place of one shape and with the same shading normal are one corner, so that
+/// values are continuous over a smooth surface and jump at its edges.
+class PatchCorners {
+public:
+    /// `mesh` must outlive this.
+    explicit PatchCorners(const PatchMesh& mesh);
 
-/// All leaves of the mesh as display shows them.
-StoredPatches stored_patches(const RadiosityModel& model);
+    std::size_t size() const { return places_.size(); }
+    const Vec3& place(std::size_t i) const { return places_[i]; }
+    /// Shading normal on the side of the patches.
+    const Vec3& normal(std::size_t i) const { return normals_[i]; }
+    /// The corners of a leaf, in the order of PatchNode::corners.
+    const std::array<std::uint32_t, 4>& of_leaf(std::uint32_t node) const { return of_leaf_[node]; }
+    /// The same, counter-clockwise as seen from the front of the leaf's side; a triangle has its last twice.
+    std::array<std::uint32_t, 4> in_turn(std::uint32_t leaf) const;
+
+    /// Values at the corners whose mean over each leaf is about the leaf's value. `areas` weighs the leaves, by node.
+    std::vector<Colord> values(const PatchColors& of_leaves, const std::vector<double>& areas) const;
+
+private:
+    const PatchMesh& mesh_;
+    std::vector<Vec3> places_, normals_;
+    std::vector<std::array<std::uint32_t, 4>> of_leaf_;  ///< by node
+};
+
+/// All leaves with the radiosity B [W/m^2] of their corners.
+StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners, const PatchLight& light,
+                             const PatchColors& B);
+
+/// The patches as a PLY file (ascii, faces of three or four corners). Each corner has its position, normal, radiosity B
+/// [W/m^2] and, as red, green and blue, B over the largest value of all corners.
+std::string patches_ply(const StoredPatches& patches, const PatchCorners& corners);
 
 }  // namespace gib

@@ -4,8 +4,6 @@
 #include "common/core/memory_limit.h"
 #include "common/core/parallel.h"
 #include "common/sampling/warp.h"
-#include "methods/radiosity/contacts.h"
-#include "methods/radiosity/light.h"
 
 #include <fmt/format.h>
 
@@ -15,34 +13,32 @@ namespace gib {
 
 namespace {
 
-/// The residual of a solution that has converged (RadiositySolution::residual()).
-constexpr double converged_residual = 1e-4;
 /// Number of points on a patch at which direct light is sampled.
 constexpr std::uint32_t direct_samples = 16;
 /// Number of rays that test whether the scene is closed.
 constexpr std::size_t closure_rays = 1 << 14;
 constexpr std::size_t rays_per_block = 1024;
-/// The radius down to which patches are halved on which something stands, as a share of the parameter `patch`: their
-/// edges become a quarter as long.
-constexpr double least_at_contacts = 0.25;
-/// Approximate memory of a patch: two nodes with their share of vertices, links and rows [bytes].
+/// Approximate memory of a patch: two nodes with their share of corners and links [bytes].
 constexpr double bytes_per_patch = 5000;
 
 // Keys that give the parts different random numbers.
-constexpr std::uint64_t light_key = 0x4c49, link_key = 0x4c4b, display_key = 0x4449, closure_key = 0x434c;
-
-bool has_limit(const RadiositySettings& settings) { return settings.max_edges < std::numeric_limits<int>::max(); }
+constexpr std::uint64_t light_key = 0x4c49, link_key = 0x4c4b, closure_key = 0x434c;
 
 /// The number of reflections that the system computes of the longest paths. Such a path has one edge from the camera
 /// to the surface seen, one edge for each reflection, and one to the light; a final gather ray is one edge more.
-int most_reflections(const RadiositySettings& settings) { return settings.max_edges - (settings.gather > 0 ? 3 : 2); }
+std::optional<int> most_reflections(const RadiositySettings& settings) {
+    if (settings.max_edges == std::numeric_limits<int>::max()) return std::nullopt;
+    return settings.max_edges - (settings.gather > 0 ? 3 : 2);
+}
 
 /// Throws InputError if patches with edges of `size` [scene units] take more memory than there is.
-void require_memory_for(const Charts& charts, double size, const RadiositySettings& settings) {
+void require_memory_for(const Charts& charts, double size, RadiositySolver solver) {
     const double patches = PatchMesh::estimated_patches(charts, size);
-    const double links = settings.solver == RadiositySolver::hierarchical ? 0 : 0.5 * sqr(patches);
-    const double matrix = settings.solver == RadiositySolver::direct ? sqr(patches) * sizeof(double) : 0;
-    require_memory(patches * bytes_per_patch + links * (sizeof(PatchLink) + 2 * sizeof(LinkTable::Entry)) + matrix,
+    const double bytes_of_pair =
+        solver == RadiositySolver::direct
+            ? sizeof(double) + 0.5 * static_cast<double>(sizeof(PatchLink) + 2 * sizeof(RadiositySystem::Link))
+            : 0;
+    require_memory(patches * bytes_per_patch + sqr(patches) * bytes_of_pair,
                    fmt::format("radiosity of {:.0f} patches", patches));
 }
 
@@ -57,46 +53,30 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
       mesh_([&] {
           const auto timer = stages.time("patches");
           const double size = settings.patch * static_cast<double>(scene.diagonal());
-          require_memory_for(charts_, size, settings);
+          require_memory_for(charts_, size, settings.solver);
           return PatchMesh(charts_, size);
       }()) {
-    if (settings.adapt) {
-        const auto timer = stages.time("patches");
-        halve_at_contacts(mesh_, least_at_contacts * mesh_.size(), rays_);
-    }
     {
         const auto timer = stages.time("direct light");
         light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);
-        closed_ = is_closed();
     }
-    std::vector<PatchLink> seen;
     {
         const auto timer = stages.time("links");
-        PatchLinks links = link_patches(mesh_, light_,
-                                        {.error = settings.links,
-                                         .refine_all = settings.solver != RadiositySolver::hierarchical,
-                                         .seed = combine_keys(seed, link_key)},
-                                        &stages);
-        rays_ += links.rays;
-        link_count_ = links.links.size();
-        seen = std::move(links.seen);
-        system_ = std::make_unique<RadiositySystem>(mesh_, light_, links.links, closed_);
+        const double error = settings.solver == RadiositySolver::direct ? 0 : settings.links;
+        const auto links = link_patches(mesh_, light_, {error, combine_keys(seed, link_key)}, rays_, &stages);
+        link_count_ = links.size();
+        system_ = std::make_unique<RadiositySystem>(mesh_, light_, links, is_closed());
     }
-    solution_ = has_limit(settings) ? start_series(*system_, most_reflections(settings))
-                                    : start_solution(*system_, settings.solver);
-    const auto timer = stages.time("vertices");
-    display_ = std::make_unique<RadiosityDisplay>(
-        mesh_, *system_, light_, seen,
-        DisplaySettings{.adapt = settings.adapt, .links = settings.links, .seed = combine_keys(seed, display_key)});
+    solution_ = std::make_unique<RadiositySolution>(*system_, settings.solver, most_reflections(settings));
+    const auto timer = stages.time("corners");
+    corners_ = std::make_unique<PatchCorners>(mesh_);
 }
 
 /// Whether the scene is closed: all rays from the patches end on the fronts of patches, so all light that a patch
 /// sends is received.
 bool RadiosityModel::is_closed() {
     const Scene& scene = charts_.scene();
-    std::vector<std::uint32_t> leaves;
-    for (std::uint32_t i = 0; i < mesh_.nodes().size(); ++i)
-        if (mesh_.nodes()[i].is_leaf()) leaves.push_back(i);
+    const auto& leaves = mesh_.leaves();
     if (leaves.empty() || scene.has_holes()) return false;
     std::atomic<bool> closed = true;
     parallel_blocks(closure_rays, rays_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -115,36 +95,54 @@ bool RadiosityModel::is_closed() {
 }
 
 bool RadiosityModel::advance() {
-    if (converged_) return false;
-    if (solution_->residual() > converged_residual) {
-        const auto timer = stages_.time("solution");
-        solution_->sweep();
-    }
-    converged_ = !(solution_->residual() > converged_residual);
-    {
-        const auto timer = stages_.time("vertices");
-        const PatchColors X = solution_->shown();
-        if (converged_) display_->refine(X);
-        else display_->show(X);
-    }
-    if (!settings_.ply.empty()) {
-        const auto timer = stages_.time("ply");
-        write_file(settings_.ply, radiosity_ply(*this));
-    }
+    if (has_converged()) return false;
+    const auto timer = stages_.time("solution");
+    if (!solution_->has_converged()) solution_->sweep();
+    E_ = system_->irradiance_at_centres(solution_->radiosity());
+    E_at_corners_.clear();
+    for (const Colord& E : corners_->values(E_, light_.area))
+        E_at_corners_.push_back(E.cast<float>());
+    shown_ = true;
+    if (!settings_.ply.empty()) write_file(settings_.ply, patches_ply(stored_patches(), *corners_));
     return true;
 }
 
+Color RadiosityModel::irradiance(const SurfaceHit& hit, const Vec3& wo) const {
+    const auto place = mesh_.locate(hit, wo);
+    if (!place) return Color::Zero();
+    const PatchNode& leaf = mesh_.nodes()[place->leaf];
+    const auto weights = mesh_.weights(leaf, place->uv);
+    Color E = Color::Zero();
+    for (std::size_t i = 0; i < leaf.corner_count(); ++i)
+        E += static_cast<float>(weights[i]) * E_at_corners_[corners_->of_leaf(place->leaf)[i]];
+    return E;
+}
+
+Color RadiosityModel::irradiance_of_patch(const SurfaceHit& hit, const Vec3& wo) const {
+    const auto place = mesh_.locate(hit, wo);
+    if (!place) return Color::Zero();
+    return (light_.irradiance[place->leaf] + E_[place->leaf]).cast<float>();
+}
+
+StoredPatches RadiosityModel::stored_patches() const {
+    if (!shown_) return {};
+    PatchColors B(mesh_.nodes().size(), Colord::Zero());
+    for (const std::uint32_t leaf : mesh_.leaves())
+        B[leaf] = light_.reflectance[leaf] * (light_.irradiance[leaf] + E_[leaf]);
+    return gib::stored_patches(mesh_, *corners_, light_, B);
+}
+
 std::vector<std::pair<std::string, std::string>> RadiosityModel::facts() const {
+    const auto reflections = most_reflections(settings_);
     return {
-        {"patches", std::to_string(system_->size())},
-        {"vertices", std::to_string(display_->vertices().vertices().size())},
+        {"patches", std::to_string(mesh_.leaves().size())},
+        {"vertices", std::to_string(corners_->size())},
         {"links", std::to_string(link_count_)},
         {"sweeps", std::to_string(solution_->sweeps())},
-        {"reflections",
-         has_limit(settings_) ? fmt::format("{}, summed", most_reflections(settings_)) : "all, solved for"},
+        {"reflections", reflections ? fmt::format("{}, summed", *reflections) : "all"},
         {"residual", fmt::format("{:.2e}", solution_->residual())},
-        {"converged", converged_ ? "yes" : "no"},
-        {"closed", closed_ ? "yes" : "no"},
+        {"converged", has_converged() ? "yes" : "no"},
+        {"closed", system_->is_closed() ? "yes" : "no"},
         {"closure_mean", fmt::format("{:.2e}", system_->closure().mean)},
         {"closure_largest", fmt::format("{:.2e}", system_->closure().largest)},
     };

@@ -1,8 +1,10 @@
 #pragma once
-// The part of radiosity that is the same for all cameras: patches, links, the system, its solution, and the
-// interpolation of the solution.
+// The part of radiosity that is the same for all cameras: patches, links, the system and its solution.
 
-#include "methods/radiosity/display.h"
+#include "methods/radiosity/corners.h"
+#include "methods/radiosity/solution.h"
+
+#include <memory>
 
 namespace gib {
 
@@ -10,9 +12,8 @@ struct RadiositySettings {
     double patch;  ///< longest edge of a patch [scene diagonals]
     RadiositySolver solver;
     double links;     ///< allowed error of a link, as a share of the mean irradiance
-    bool adapt;       ///< halve patches at contacts, and further for display
     int gather;       ///< final gather rays; 0: none
-    std::string ply;  ///< file for the mesh; empty: none
+    std::string ply;  ///< file for the patches; empty: none
     int max_edges;    ///< number of edges of the longest path
 };
 
@@ -21,16 +22,19 @@ public:
     /// Makes patches and links. Throws InputError, which names the bytes needed, if they are not available.
     RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed, StageTimes& stages);
 
-    /// One sweep of the solver, unless the solution has converged; true if the displayed solution has changed.
+    /// One sweep of the solver, unless the solution has converged; true if the solution has changed.
     bool advance();
-    bool has_converged() const { return converged_; }
+    bool has_converged() const { return shown_ && solution_->has_converged(); }
 
-    const RadiosityDisplay& display() const { return *display_; }
-    const RadiositySystem& system() const { return *system_; }
-    const PatchMesh& mesh() const { return mesh_; }
-    const PatchLight& light() const { return light_; }
-    const RadiositySolution& solution() const { return *solution_; }
-    std::uint64_t rays() const { return rays_ + (display_ ? display_->rays() : 0); }
+    /// Indirect irradiance [W/m^2] at a hit seen from wo, interpolated between the corners of its patch; 0 where there
+    /// is no patch.
+    Color irradiance(const SurfaceHit& hit, const Vec3& wo) const;
+    /// Direct and indirect irradiance [W/m^2] of the patch of a hit seen from wo; 0 where there is no patch.
+    Color irradiance_of_patch(const SurfaceHit& hit, const Vec3& wo) const;
+    /// The radiosity of the patches without emission; none before the first sweep.
+    StoredPatches stored_patches() const;
+
+    std::uint64_t rays() const { return rays_; }
     std::vector<std::pair<std::string, std::string>> facts() const;
 
 private:
@@ -44,15 +48,12 @@ private:
     std::uint64_t rays_ = 0;
     PatchLight light_;
     std::size_t link_count_ = 0;
-    bool closed_ = false;
     std::unique_ptr<RadiositySystem> system_;
     std::unique_ptr<RadiositySolution> solution_;
-    std::unique_ptr<RadiosityDisplay> display_;
-    bool converged_ = false;
+    std::unique_ptr<PatchCorners> corners_;
+    PatchColors E_;                    ///< indirect irradiance of leaves [W/m^2]
+    std::vector<Color> E_at_corners_;  ///< the same at corners
+    bool shown_ = false;               ///< E_ is that of the solution
 };
-
-/// The mesh as a PLY file (ascii, faces of three or four corners). Each corner has its position, normal, radiosity B
-/// [W/m^2] and, as red, green and blue, B over the largest value of all corners.
-std::string radiosity_ply(const RadiosityModel& model);
 
 }  // namespace gib

@@ -1,27 +1,25 @@
 // Radiosity: diffuse light between patches as a system of linear equations, solved once for all views.
 //
 // Computes: `emission` and `direct` at the surfaces that the eye sees, by samples of the pixels; `indirect` from a
-// solution of B = rho E between patches (Goral et al. 1984), hierarchical (Hanrahan et al. 1991) unless another
-// solver is asked for. Where max_depth limits paths, every solver is replaced by the sum of the reflections that the
-// limit allows. The unknown is the light that patches reflect; direct light on them is sampled, so lights of every
-// kind are allowed.
-// Parameters: patch, solver, links, adapt, gather, ply; spp and max_depth as for all methods.
+// solution of B_i = E_i + rho_i sum of F_ij B_j between patches: by default hierarchical (Hanrahan, Salzman and Aupperle
+// 1991), else by the matrix of all pairs of patches (Goral et al. 1984). Where max_depth limits paths, the reflections
+// that it allows are summed. Direct light on patches is sampled, so lights of every kind are allowed.
+// Parameters: patch, solver, links, gather, ply; spp and max_depth as for all methods.
 // Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
 // materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
 // varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
 // it is exact. A coloured thin sheet dims the exchange by the mean of its channels.
-// Bias: in the exchange light is constant over patches and groups of patches; in the view it is linear between their
-// corners. Where light is brightest where surfaces meet, or a shadow falls across a patch, its mean is sent out:
-// indirect light is too low by a share that shrinks with the size of patches (0.5 % in cornell-box.xml).
-// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (with max_depth:
-// as many reflections again as in all passes before); then one sample of every pixel. A change of the solution starts
-// the samples of indirect light again. `facts` say how far the solver has come, and how closed the system is.
-// Cost: links between clusters of surfaces let it grow with the number of patches; the other solvers than the
-// hierarchical one link all pairs of patches.
+// Bias: light is constant over patches and groups of patches, and in the view linear between corners. Indirect light is
+// too low by a share that shrinks with `links` and `patch` (0.1 % in cornell-box.xml).
+// A pass: one sweep of the solver, until the residual is 1e-4 of the light of the first reflection (eight steps of
+// conjugate gradients, or the direct solution; with max_depth, as many reflections again as in all passes before, but at
+// least 8); then one sample of every pixel. A change of the solution starts the samples again. `facts` say how far the
+// solver has come, and how closed the system is.
+// Cost: links between groups of patches and clusters of surfaces let it grow with the number of patches; the matrix
+// grows with its square.
 // Fails: with InputError that names the number of bytes if there is not enough memory; with InputError if paths have
 // no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/parts/stored_light/stored_light.h"
-#include "methods/radiosity/corners.h"
 #include "methods/radiosity/view.h"
 
 #include <algorithm>
@@ -73,8 +71,7 @@ public:
 
     StoredLight stored_light() const override {
         StoredLight stored{.changes_with_passes = model_ && !model_->has_converged()};
-        // Before the first sweep, corners have no light yet.
-        if (model_ && !model_->display().vertex_irradiance().empty()) stored.patches = stored_patches(*model_);
+        if (model_) stored.patches = model_->stored_patches();
         return stored;
     }
 
@@ -116,9 +113,8 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
     s.patch = values.number("patch");
     s.solver = chosen<RadiositySolver>(radiosity_solver_names, values.choice("solver"));
     s.links = values.number("links");
-    if (values.given("links") && s.solver != RadiositySolver::hierarchical)
-        throw InputError("links says how far solver=hierarchical refines; the other solvers link every two patches");
-    s.adapt = values.choice("adapt") == "on";
+    if (values.given("links") && s.solver == RadiositySolver::direct)
+        throw InputError("links says how far solver=hierarchical refines; solver=direct links every two patches");
     s.gather = static_cast<int>(values.integer("gather"));
     s.ply = values.text("ply");
     s.max_edges = max_edges_of(values, defaults);
@@ -133,19 +129,14 @@ MethodDescription describe_radiosity() {
         .sentence = "hierarchical radiosity: diffuse light between patches, solved once for all views; biased, smooth",
         .parameters =
             {
-                tuned(number_parameter("patch", "0.03", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
+                tuned(number_parameter("patch", "0.06", "scene diagonals", 1e-5, 1, "longest edge of a patch"),
                       {0.004, 0.2}),
                 choice_parameter(
                     "solver", strings(radiosity_solver_names),
-                    "hierarchical: links between groups of patches, solved by conjugate gradients; the others solve "
-                    "the full system of patches, direct by Cholesky factorisation; with max_depth, reflections are "
-                    "summed instead"),
-                number_parameter("links", "0.02", "mean irradiances", 1e-6, 10,
+                    "hierarchical: links between groups of patches, solved by iteration; direct: the matrix of all "
+                    "pairs of patches, factorised; with max_depth, reflections are summed instead"),
+                number_parameter("links", "0.002", "mean irradiances", 1e-6, 10,
                                  "error of irradiance that a link between groups of patches may make"),
-                choice_parameter(
-                    "adapt", {"on", "off"},
-                    "halve patches further where surfaces stand on them, and for display where indirect light "
-                    "changes over them"),
                 integer_parameter(
                     "gather", "0", "rays", 0, 1e6,
                     "final gather rays per sample; 0: indirect light is interpolated between the corners of patches"),

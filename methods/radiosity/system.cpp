@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace gib {
 
@@ -17,153 +18,180 @@ constexpr double scaled_enough = 1e-7;
 }  // namespace
 
 RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light, const std::vector<PatchLink>& links,
-                                 bool normalise)
-    : mesh_(mesh), light_(light), table_(links, mesh.nodes()) {
-    for (const PatchNode& node : mesh.nodes()) {
-        if (node.is_leaf()) leaves_.push_back(static_cast<std::uint32_t>(children_.size()));
-        children_.push_back(node.child);
-    }
-    const std::vector<double> sums = row_sums();
+                                 bool is_closed)
+    : mesh_(mesh),
+      light_(light),
+      is_closed_(is_closed),
+      first_link_(mesh.nodes().size() + 1, 0),
+      scales_(mesh.nodes().size(), 1.0) {
+    sort_links(links);
+    const PatchColors sums = irradiance(ones());
     double whole = 0;
-    for (const std::uint32_t leaf : leaves_) {
-        const double distance = std::abs(sums[leaf] - 1);
+    for (const std::uint32_t leaf : leaves()) {
+        const double distance = std::abs(sums[leaf][0] - 1);
         closure_.mean += area(leaf) * distance;
         closure_.largest = std::max(closure_.largest, distance);
         whole += area(leaf);
     }
     if (whole > 0) closure_.mean /= whole;
-    if (normalise) normalise_rows();
+    if (is_closed) normalise_rows();
 }
 
-std::vector<double> RadiositySystem::row_sums() const {
-    const PatchColors E = irradiance(PatchColors(node_count(), Colord::Ones()));
-    std::vector<double> sums(node_count(), 0.0);
-    for (const std::uint32_t leaf : leaves_)
-        sums[leaf] = E[leaf][0];
-    return sums;
+void RadiositySystem::sort_links(const std::vector<PatchLink>& links) {
+    for (const PatchLink& link : links) {
+        ++first_link_[link.p + 1];
+        ++first_link_[link.q + 1];
+    }
+    for (std::size_t i = 1; i < first_link_.size(); ++i)
+        first_link_[i] += first_link_[i - 1];
+    links_.resize(first_link_.back());
+    std::vector<std::size_t> next(first_link_.begin(), first_link_.end() - 1);
+    for (const PatchLink& link : links) {
+        links_[next[link.p]++] = {link.q, link.exchange, link.visible};
+        links_[next[link.q]++] = {link.p, link.exchange, link.visible};
+    }
 }
 
 /// Scales rows and columns alike by s, so that G stays symmetric, until all row sums of K are 1.
 void RadiositySystem::normalise_rows() {
-    scales_.assign(node_count(), 1.0);
     for (int round = 0; round < scaling_rounds; ++round) {
-        const std::vector<double> sums = row_sums();
+        const PatchColors sums = irradiance(ones());
         double worst = 0;
-        for (const std::uint32_t leaf : leaves_) {
-            if (!(sums[leaf] > 0)) continue;  // the patch sees nothing
-            scales_[leaf] /= std::sqrt(sums[leaf]);
-            worst = std::max(worst, std::abs(sums[leaf] - 1));
+        for (const std::uint32_t leaf : leaves()) {
+            if (!(sums[leaf][0] > 0)) continue;  // the patch sees nothing
+            scales_[leaf] /= std::sqrt(sums[leaf][0]);
+            worst = std::max(worst, std::abs(sums[leaf][0] - 1));
         }
         if (worst < scaled_enough) break;
     }
 }
 
-/// Hanrahan et al. 1991: values are pulled up from the leaves to the groups.
-void RadiositySystem::pull(PatchColors& X) const {
-    for (std::size_t i = node_count(); i-- > 0;) {
-        const std::uint32_t a = children_[i];
-        if (a != no_node) X[i] = (area(a) * X[a] + area(a + 1) * X[a + 1]) / (area(a) + area(a + 1));
-    }
+PatchColors RadiositySystem::irradiance(PatchColors X) const {
+    const auto& nodes = mesh_.nodes();
+    for (const std::uint32_t leaf : leaves())
+        X[leaf] *= scales_[leaf];
+    pull(X);
+    PatchColors E = gathered(X);
+    for (std::size_t i = 1; i < node_count(); ++i)  // push
+        E[i] += E[nodes[i].parent];
+    for (const std::uint32_t leaf : leaves())
+        E[leaf] *= scales_[leaf];
+    return E;
 }
 
-PatchColors RadiositySystem::sent(const LinkTable& links, const PatchColors& X) const {
+bool RadiositySystem::has_cluster(std::uint32_t p, std::uint32_t q) const {
+    return mesh_.nodes()[p].is_cluster() || mesh_.nodes()[q].is_cluster();
+}
+
+Vec3d RadiositySystem::direction(std::uint32_t from, std::uint32_t to) const {
+    return (mesh_.nodes()[to].center - mesh_.nodes()[from].center).normalized();
+}
+
+/// The radiosity of a group is the mean over its halves, weighted by area.
+void RadiositySystem::pull(PatchColors& X) const {
+    for (std::size_t i = node_count(); i-- > 0;)
+        if (const std::uint32_t a = mesh_.nodes()[i].child; a != no_node)
+            X[i] = (area(a) * X[a] + area(a + 1) * X[a + 1]) / (area(a) + area(a + 1));
+}
+
+/// Gather of Hanrahan et al. 1991: E_p = sum of F_pq X_q over the links of each node p. What arrives at a cluster is
+/// received by the roots of its sides, with their cosines.
+PatchColors RadiositySystem::gathered(const PatchColors& X) const {
     const auto& nodes = mesh_.nodes();
-    struct Side {
-        Vec3d area;  ///< along the normal
-        Colord X;
-    };
-    std::vector<Side> sides;
-    for (const PatchSide& side : mesh_.sides()) {
-        const PatchNode& root = nodes[side.root];
-        sides.push_back({(root.dark ? 0 : root.area) * root.polygon.normal, X[side.root]});
-    }
-    PatchColors sent(links.size(), Colord::Zero());
+    const PatchColors sent = sent_over_clusters(X);
+    PatchColors E(node_count(), Colord::Zero());
     parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i)
-            for (const LinkTable::Entry& link : links.of(static_cast<std::uint32_t>(i))) {
-                if (!link.has_cluster()) continue;
-                const PatchNode& other = nodes[link.other];
-                const Vec3d w = -link.towards.cast<double>();
-                Colord& sum = sent[links.number_of(link)];
-                if (!other.is_cluster()) sum = other.area_towards(w) * X[link.other];
-                else
-                    for (std::uint32_t side = other.side; side < other.side_end; ++side)
-                        sum += std::max(0.0, sides[side].area.dot(w)) * sides[side].X;
-            }
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+            if (nodes[i].is_cluster()) continue;
+            const auto gather = [&](std::uint32_t node) {
+                for (std::size_t n = first_link_[node]; n < first_link_[node + 1]; ++n) {
+                    const auto exchange = static_cast<double>(links_[n].exchange);
+                    if (!has_cluster(node, links_[n].other)) {
+                        E[i] += exchange / area(i) * X[links_[n].other];
+                        continue;
+                    }
+                    const double cosine = nodes[i].polygon.normal.dot(direction(node, links_[n].other));
+                    if (cosine > 0) E[i] += exchange * cosine * sent[n];
+                }
+            };
+            gather(i);
+            for (std::uint32_t above = nodes[i].parent; above != no_node && nodes[above].is_cluster();
+                 above = nodes[above].parent)
+                gather(above);
+        }
+    });
+    return E;
+}
+
+PatchColors RadiositySystem::irradiance_at_centres(PatchColors X) const {
+    PatchColors E = gathered_at_centres(std::move(X));
+    if (!is_closed_) return E;
+    // In a closed scene all of the hemisphere is seen.
+    const PatchColors sums = gathered_at_centres(ones());
+    for (const std::uint32_t leaf : leaves())
+        if (sums[leaf][0] > 0) E[leaf] /= sums[leaf];
+    return E;
+}
+
+PatchColors RadiositySystem::gathered_at_centres(PatchColors X) const {
+    const auto& nodes = mesh_.nodes();
+    pull(X);
+    const PatchColors sent = sent_over_clusters(X);
+    PatchColors E(node_count(), Colord::Zero());
+    parallel_blocks(leaves().size(), nodes_per_block / 16, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t leaf = leaves()[k];
+            const Vec3d &x = nodes[leaf].center, &normal = nodes[leaf].polygon.normal;
+            for (std::uint32_t node = leaf; node != no_node; node = nodes[node].parent)
+                for (std::size_t n = first_link_[node]; n < first_link_[node + 1]; ++n) {
+                    const PatchNode& other = nodes[links_[n].other];
+                    const auto visible = static_cast<double>(links_[n].visible);
+                    if (other.is_cluster()) {
+                        const Vec3d way = other.center - x;
+                        const double cosine = normal.dot(way.normalized());
+                        if (cosine > 0) E[leaf] += visible * cosine / (std::numbers::pi * way.squaredNorm()) * sent[n];
+                    } else if (node == leaf && other.is_leaf()) {
+                        E[leaf] += static_cast<double>(links_[n].exchange) / area(leaf) * X[links_[n].other];
+                    } else {
+                        E[leaf] += visible * area(links_[n].other) / other.area *
+                                   point_form_factor(x, normal, other.polygon) * X[links_[n].other];
+                    }
+                }
+        }
+    });
+    return E;
+}
+
+/// By entry of `links_`: what the other end sends if one of the two is a cluster [W]; else 0.
+PatchColors RadiositySystem::sent_over_clusters(const PatchColors& X) const {
+    PatchColors sent(links_.size(), Colord::Zero());
+    parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
+            for (std::size_t n = first_link_[i]; n < first_link_[i + 1]; ++n)
+                if (has_cluster(i, links_[n].other))
+                    sent[n] = sent_towards(links_[n].other, direction(links_[n].other, i), X);
     });
     return sent;
 }
 
-/// Hanrahan et al. 1991: X is pulled up to the groups and multiplied over the links; the irradiance of groups is then
-/// pushed down to their leaves, that of clusters with the cosines of their sides.
-PatchColors RadiositySystem::irradiance(PatchColors X) const {
+/// The sum over the sides of a node of their radiosity times the area that they show in the direction w [W].
+Colord RadiositySystem::sent_towards(std::uint32_t node, const Vec3d& w, const PatchColors& X) const {
     const auto& nodes = mesh_.nodes();
-    if (is_closed())
-        for (const std::uint32_t leaf : leaves_)
-            X[leaf] *= scales_[leaf];
-    pull(X);
-    const PatchColors sent = this->sent(table_, X);
-    PatchColors E(node_count(), Colord::Zero());
-    parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const PatchNode& patch = nodes[i];
-            if (patch.is_cluster()) continue;
-            const Vec3d n = patch.dark ? Vec3d(Vec3d::Zero()) : patch.polygon.normal;
-            const auto add = [&](std::uint32_t node) {
-                for (const LinkTable::Entry& link : table_.of(node)) {
-                    const auto exchange = static_cast<double>(link.exchange);
-                    if (!link.has_cluster()) {
-                        E[i] += exchange / patch.area * X[link.other];
-                        continue;
-                    }
-                    const double cosine = n.dot(link.towards.cast<double>());
-                    if (cosine > 0) E[i] += exchange * cosine * sent[table_.number_of(link)];
-                }
-            };
-            add(static_cast<std::uint32_t>(i));
-            // The root of a side takes what arrives at all clusters around it.
-            for (std::uint32_t above = patch.parent; above != no_node && nodes[above].is_cluster();
-                 above = nodes[above].parent)
-                add(above);
-        }
-    });
-    for (std::size_t i = 1; i < node_count(); ++i)
-        E[i] += E[nodes[i].parent];
-    if (is_closed())
-        for (const std::uint32_t leaf : leaves_)
-            E[leaf] *= scales_[leaf];
-    return E;
+    const auto sent_by = [&](std::uint32_t patch) -> Colord {
+        return std::max(0.0, nodes[patch].polygon.normal.dot(w)) * area(patch) * X[patch];
+    };
+    if (!nodes[node].is_cluster()) return sent_by(node);
+    Colord sum = Colord::Zero();
+    for (std::uint32_t side = nodes[node].side; side < nodes[node].side_end; ++side)
+        sum += sent_by(mesh_.sides()[side].root);
+    return sum;
 }
 
 Colord RadiositySystem::power(const PatchColors& values) const {
     Colord sum = Colord::Zero();
-    for (const std::uint32_t leaf : leaves_)
+    for (const std::uint32_t leaf : leaves())
         sum += area(leaf) * values[leaf].abs();
     return sum;
-}
-
-RadiositySolution::RadiositySolution(const RadiositySystem& system) : system_(system) {
-    first_.assign(system.node_count(), Colord::Zero());
-    for (const std::uint32_t leaf : system.leaves())
-        first_[leaf] = system.first_reflection(leaf);
-    first_power_ = system.power(first_);
-    X_ = first_;
-    system_.pull(X_);
-}
-
-Colord RadiositySolution::residual_power(const PatchColors& residual) const {
-    const Colord power = system_.power(residual);
-    Colord relative = Colord::Zero();
-    for (int c = 0; c < 3; ++c)
-        if (first_power_[c] > 0) relative[c] = power[c] / first_power_[c];
-    return relative;
-}
-
-void RadiositySolution::measure_residual() {
-    PatchColors r = system_.irradiance(X_);
-    for (const std::uint32_t leaf : system_.leaves())
-        r[leaf] = first_[leaf] + system_.reflectance(leaf) * r[leaf] - X_[leaf];
-    residual_ = residual_power(r).maxCoeff();
 }
 
 }  // namespace gib

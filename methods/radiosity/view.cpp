@@ -8,23 +8,23 @@ namespace gib {
 
 namespace {
 
-/// Sums the light that patches reflect along a final gather ray.
+/// Sums the light that patches reflect along a final gather ray: L = rho E / pi with the E of the patch.
 class GatherRayVisitor {
 public:
     static constexpr bool wants_emission = false;
     static constexpr int splits = 0;
 
-    explicit GatherRayVisitor(const RadiosityDisplay& display) : display_(display) {}
+    explicit GatherRayVisitor(const RadiosityModel& model) : model_(model) {}
 
     const Color& radiance() const { return radiance_; }
     void diffuse(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers&) {
-        radiance_ += diffuse_reflectance(hit, vertex.wo) * display_.whole_irradiance(hit, vertex.wo) * inv_pi;
+        radiance_ += diffuse_reflectance(hit, vertex.wo) * model_.irradiance_of_patch(hit, vertex.wo) * inv_pi;
     }
     void emitted(const Color&) {}
     void scattered(const EyeVertex&, const Vec3&) {}
 
 private:
-    const RadiosityDisplay& display_;
+    const RadiosityModel& model_;
     Color radiance_ = Color::Zero();
 };
 
@@ -50,15 +50,13 @@ public:
                     .diffuse;
         if (!model_) return;
         if (settings_.gather > 0) sample_[Component::indirect] += gathered(vertex, hit);
-        else
-            sample_[Component::indirect] +=
-                diffuse_reflectance(hit, wo) * model_->display().irradiance(hit, wo) * inv_pi;
+        else sample_[Component::indirect] += diffuse_reflectance(hit, wo) * model_->irradiance(hit, wo) * inv_pi;
     }
 
 private:
     Color gathered(const EyeVertex& vertex, const SurfaceHit& hit) {
         return gather_by_rays(vertex, hit, settings_.gather, 0, [&](const TracedRay& ray, const Sampler& u) {
-            GatherRayVisitor visitor(model_->display());
+            GatherRayVisitor visitor(*model_);
             follow_specular_path(vertex.walk.rays, u, ray, nullptr, {2, false, false}, visitor);
             return visitor.radiance();
         });
@@ -67,22 +65,6 @@ private:
     const RadiosityModel* model_;
     const RadiosityViewSettings& settings_;
     PixelSample sample_;
-};
-
-/// Sends each component to its film.
-struct Films {
-    Film& direct;
-    Film* indirect;
-
-    void add(std::size_t pixel, std::uint32_t pass, PixelSample sample) {
-        if (indirect) {
-            PixelSample other;
-            std::swap(other[Component::indirect], sample[Component::indirect]);
-            if (other[Component::indirect].isFinite().all()) indirect->add(pixel, pass, other);
-            else sample[Component::emission] += other[Component::indirect];  // this film counts it
-        }
-        direct.add(pixel, pass, sample);
-    }
 };
 
 }  // namespace
@@ -94,39 +76,26 @@ RadiosityView::RadiosityView(const Scene& scene, const Effects& effects, const R
       settings_(settings),
       seed_(seed),
       stages_(stages),
-      direct_([&] {
-          std::vector<Component> shown, black;
-          (scene.has_light() ? shown : black).push_back(Component::emission);
-          (effects.has(Effect::direct_light) ? shown : black).push_back(Component::direct);
-          return Film(scene.sensor().width(), scene.sensor().height(), shown, black);
-      }()),
-      shows_indirect_(model != nullptr) {}
+      components_(shown_components(scene, effects, find_method("radiosity"))) {
+    start_film();
+}
+
+void RadiosityView::start_film() {
+    film_.emplace(scene_.sensor().width(), scene_.sensor().height(), components_.accumulated, components_.black);
+    passes_ = 0;
+}
 
 void RadiosityView::sample(std::uint32_t pass, bool restart) {
-    const int width = scene_.sensor().width(), height = scene_.sensor().height();
-    if (restart || !indirect_) {
-        first_pass_ = pass;
-        indirect_.reset();
-        if (shows_indirect_)
-            indirect_.emplace(width, height, std::vector{Component::indirect}, std::vector<Component>{});
-        else indirect_.emplace(width, height, std::vector<Component>{}, std::vector{Component::indirect});
-    }
-    passes_ = pass + 1;
-    Films films{direct_, shows_indirect_ ? &*indirect_ : nullptr};
+    if (restart) start_film();
+    ++passes_;
     const WalkSettings walks{settings_.max_edges, settings_.samples_lights, false};
-    rays_ += sample_pixels(scene_, films, PointSet::sobol, seed_, pass, stages_, "view", [&] {
+    rays_ += sample_pixels(scene_, *film_, PointSet::sobol, seed_, pass, stages_, "view", [&] {
         return [&](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
             EyeVisitor visitor(model_, settings_);
             follow_specular_path(rays, sampler, eye, nullptr, walks, visitor);
             return visitor.sample();
         };
     });
-}
-
-ComponentImages RadiosityView::image() const {
-    ComponentImages image = direct_.mean(passes_);
-    if (indirect_) image[Component::indirect] = indirect_->mean(passes_ - first_pass_)[Component::indirect];
-    return image;
 }
 
 }  // namespace gib

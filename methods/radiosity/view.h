@@ -19,24 +19,24 @@ public:
     RadiosityView(const Scene& scene, const Effects& effects, const RadiosityModel* model,
                   const RadiosityViewSettings& settings, std::uint64_t seed, StageTimes& stages);
 
-    /// Takes one sample of every pixel. `restart` says that the solution has changed, so earlier samples of indirect
-    /// light are dropped.
+    /// Takes one sample of every pixel. `restart` says that the solution has changed, so earlier samples are dropped.
     void sample(std::uint32_t pass, bool restart);
 
-    ComponentImages image() const;
-    NonFinite non_finite() const { return direct_.non_finite(); }
+    ComponentImages image() const { return film_->mean(passes_); }
+    NonFinite non_finite() const { return film_->non_finite(); }
     std::uint64_t rays() const { return rays_; }
 
 private:
+    void start_film();
+
     const Scene& scene_;
     const RadiosityModel* model_;
     RadiosityViewSettings settings_;
     std::uint64_t seed_;
     StageTimes& stages_;
-    Film direct_;                   ///< emission and direct light, which no solution changes; all non-finite samples
-    std::optional<Film> indirect_;  ///< samples since the last change of the solution
-    bool shows_indirect_;
-    std::uint32_t passes_ = 0, first_pass_ = 0;
+    ShownComponents components_;
+    std::optional<Film> film_;
+    std::uint32_t passes_ = 0;  ///< samples of each pixel on the film
     std::uint64_t rays_ = 0;
 };
 

@@ -55,30 +55,25 @@ INSTANTIATE_TEST_SUITE_P(Table, EverySolver, testing::ValuesIn(solver_cases()), 
 
 // All light that the walls of a closed room send arrives, so the power of all reflections is that of the first over
 // 1 - rho. A converged solution lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by
-// 1e-7 change the share that is lost by as much. The number of sweeps is bounded: a sweep of Gauss and Seidel, or of
-// as many shots as there are patches, leaves at most rho of the light that is not reflected yet; conjugate gradients
-// take no more steps than there are patches, Cholesky's factors one.
+// 1e-7 change the share that is lost by as much. The number of sweeps is bounded: after n sweeps, 2^(n + 2) reflections
+// are summed, of which each leaves rho of the light; Cholesky's factors take one sweep.
 TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
-    const bool iterates =
-        GetParam().solver == RadiositySolver::gauss_seidel || GetParam().solver == RadiositySolver::shooting;
     for (const double rho : {0.0, 0.5, 0.99, 0.9999}) {
-        if (iterates && rho > 0.99 && GetParam().shape == "sphere") continue;  // 92,099 sweeps of 192 patches are slow
         const PatchedScene scene(closed_room(GetParam().shape, rho), GetParam().shape == "cube" ? 2.1 : 1.3);
         const double albedo = static_cast<double>(static_cast<float>(rho));
-        const auto jacobi = 1 + static_cast<int>(std::ceil(std::log(converged) / std::log(std::max(albedo, 1e-9))));
-        const int most = GetParam().solver == RadiositySolver::direct ? 1
-                         : iterates                                   ? jacobi
-                                                                      : static_cast<int>(scene.system.size());
-        const auto solution = start_solution(scene.system, GetParam().solver);
-        while (solution->residual() > converged && solution->sweeps() <= most)
-            solution->sweep();
-        EXPECT_LE(solution->residual(), converged);
-        EXPECT_LE(solution->sweeps(), most) << rho;
+        const double reflections = 1 + std::ceil(std::log(converged) / std::log(std::max(albedo, 1e-9)));
+        const int most = GetParam().solver == RadiositySolver::direct
+                             ? 1
+                             : 1 + std::max(0, static_cast<int>(std::ceil(std::log2(reflections / 8))));
+        RadiositySolution solution(scene.system, GetParam().solver);
+        while (solution.residual() > converged && solution.sweeps() <= most)
+            solution.sweep();
+        EXPECT_LE(solution.residual(), converged);
+        EXPECT_LE(solution.sweeps(), most) << rho;
         const double lost = 1 - albedo;
-        for (const auto& X : {solution->radiosity(), solution->shown()})
-            EXPECT_NEAR(power_of(scene, X) * lost, first_power(scene),
-                        (converged + row_rounding / lost) * first_power(scene) + 1e-300)
-                << rho;
+        EXPECT_NEAR(power_of(scene, solution.radiosity()) * lost, first_power(scene),
+                    (converged + row_rounding / lost) * first_power(scene) + 1e-300)
+            << rho;
     }
 }
 
@@ -90,11 +85,10 @@ TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
                            rho <= 1);
         for (Colord& reflectance : scene.light.reflectance)
             reflectance = Colord::Constant(static_cast<double>(static_cast<float>(rho)));
-        const auto solution = start_solution(scene.system, GetParam().solver);
-        solution->sweep();
-        EXPECT_EQ(solution->residual(), 0) << rho;
-        for (const auto& X : {solution->radiosity(), solution->shown()})
-            EXPECT_EQ(power_of(scene, X), 0) << rho;
+        RadiositySolution solution(scene.system, GetParam().solver);
+        solution.sweep();
+        EXPECT_EQ(solution.residual(), 0) << rho;
+        EXPECT_EQ(power_of(scene, solution.radiosity()), 0) << rho;
     }
 }
 
@@ -102,52 +96,40 @@ TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
 TEST_P(EverySolver, RefusesAClosedRoomThatAbsorbsNothing) {
     const PatchedScene white(closed_room(GetParam().shape, 1.0), 1.3);
     try {
-        start_solution(white.system, GetParam().solver);
+        RadiositySolution(white.system, GetParam().solver);
         ADD_FAILURE() << "no refusal";
     } catch (const InputError& error) {
         EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("absorb"), testing::HasSubstr("max_depth")));
     }
     const PatchedScene nearly(closed_room(GetParam().shape, 1 - 1e-5), 1.3);
-    EXPECT_NO_THROW(start_solution(nearly.system, GetParam().solver));
+    EXPECT_NO_THROW(RadiositySolution(nearly.system, GetParam().solver));
 }
 
-// The room is not known to be closed, and its rows sum up to more than 1. Solvers
-// that can notice this do so while they solve.
+// The room is not known to be closed, and its rows sum up to more than 1.
 TEST_P(EverySolver, RefusesASystemThatGainsLight) {
     PatchedScene scene(closed_room(GetParam().shape, 0.5), 1.3, 0, false);
     for (Colord& rho : scene.light.reflectance)
         rho = Colord::Constant(1.2);
-    const auto solution = start_solution(scene.system, GetParam().solver);
-    const bool sees_it =
-        GetParam().solver != RadiositySolver::gauss_seidel && GetParam().solver != RadiositySolver::shooting;
+    RadiositySolution solution(scene.system, GetParam().solver);
     const auto solve = [&] {
-        for (int i = 0; i < 50; ++i)
-            solution->sweep();
+        for (int i = 0; i < 10; ++i)
+            solution.sweep();
     };
-    if (sees_it) {
-        EXPECT_THROW(solve(), InputError);
-    } else {
-        solve();
-        EXPECT_GT(solution->residual(), 1) << "it says that it has not converged";
-        EXPECT_TRUE(std::isfinite(power_of(scene, solution->radiosity())));
-    }
+    EXPECT_THROW(solve(), InputError);
 }
 
 // n reflections in a closed room of albedo 1 have n times the power of the first;
 // each may be off by the error of the rows.
-TEST(RadiositySeries, OfWhiteWallsGrowsByAsMuchWithEachReflection) {
-    for (const char* shape : {"cube", "sphere"}) {
-        const PatchedScene scene(closed_room(shape, 1.0), 1.3);
-        for (const int n : {0, 1, 2, 3, 6, 31, 1000}) {
-            const auto solution = start_series(scene.system, n);
-            int sweeps = 0;
-            for (; solution->residual() > 0; ++sweeps)
-                solution->sweep();
-            EXPECT_LE(sweeps, n < 2 ? 0 : static_cast<int>(std::ceil(std::log2(n)))) << n;
-            EXPECT_NEAR(power_of(scene, solution->shown()), n * first_power(scene),
-                        n * n * row_rounding * first_power(scene))
-                << n;
-        }
+TEST_P(EverySolver, SumsWhiteWallsReflectionsUpToALimit) {
+    const PatchedScene scene(closed_room(GetParam().shape, 1.0), 1.3);
+    for (const int n : {0, 1, 2, 3, 6, 31, 1000}) {
+        RadiositySolution solution(scene.system, GetParam().solver, n);
+        while (solution.residual() > 0)
+            solution.sweep();
+        EXPECT_LE(solution.sweeps(), n < 2 ? 0 : std::max(1, static_cast<int>(std::ceil(std::log2(n))) - 2)) << n;
+        EXPECT_NEAR(power_of(scene, solution.radiosity()), n * first_power(scene),
+                    n * n * row_rounding * first_power(scene))
+            << n;
     }
 }
 
@@ -169,7 +151,6 @@ TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
             EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, depth < 2 ? 1e-6 : noise)
                 << label << ' ' << depth;
         }
-        if (solver == "gauss_seidel") continue;  // 16 sweeps are too few
         const LoadedScene scene = scene_of(furnace_sphere(0.9999, 1e-4, -1));
         EXPECT_NEAR(mean_of(render(scene, label, 16).total()).mean(), 1, noise) << label;
     }
@@ -199,9 +180,9 @@ std::string plate(double z, const std::string& material) {
 }
 
 Colord indirect_power(const PatchedScene& scene) {
-    const auto solution = start_solution(scene.system, RadiositySolver::direct);
-    solution->sweep();
-    return scene.system.power(solution->radiosity());
+    RadiositySolution solution(scene.system, RadiositySolver::direct);
+    solution.sweep();
+    return scene.system.power(solution.radiosity());
 }
 
 // A ray meets only the first of several surfaces in the same place, so the others neither reflect nor send light.
@@ -211,7 +192,7 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
         const PatchedScene alone(floor_and(thing), 0.71, 0, false);
         for (const std::string& again : {thing, thing + thing}) {
             const PatchedScene both(floor_and(thing + again), 0.71, 0, false);
-            EXPECT_EQ(both.system.size(), alone.system.size());
+            EXPECT_EQ(both.mesh.leaves().size(), alone.mesh.leaves().size());
             EXPECT_EQ(indirect_power(both)[0], indirect_power(alone)[0]);
         }
     }
@@ -219,7 +200,7 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
     std::string back = one;
     back.insert(back.find('>') + 1, "<boolean name='flip_normals' value='true'/>");
     const PatchedScene turned(floor_and(one + back), 0.71, 0, false);
-    EXPECT_EQ(turned.system.size(), PatchedScene(floor_and(one), 0.71, 0, false).system.size());
+    EXPECT_EQ(turned.mesh.leaves().size(), PatchedScene(floor_and(one), 0.71, 0, false).mesh.leaves().size());
 }
 
 // A ray meets either of two surfaces in the same place by chance; both show the light of that place.
@@ -250,7 +231,7 @@ TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
 TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
     const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, diffuse_bsdf(0.5));
     const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
-    EXPECT_EQ(with_it.system.size(), alone.system.size());
+    EXPECT_EQ(with_it.mesh.leaves().size(), alone.mesh.leaves().size());
 }
 
 std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
@@ -269,7 +250,7 @@ TEST(DegeneratePatches, TrianglesWithoutAreaAreNoPatches) {
                              false);
     const PatchedScene more(floor_and(mesh_shape(folder, "b.obj", corners + faces + lines, diffuse_bsdf(0.8))), 0.71, 0,
                             false);
-    EXPECT_EQ(more.system.size(), plain.system.size());
+    EXPECT_EQ(more.mesh.leaves().size(), plain.mesh.leaves().size());
     EXPECT_EQ(indirect_power(more)[0], indirect_power(plain)[0]);
     EXPECT_GT(indirect_power(plain)[0], 0);
 }
@@ -295,8 +276,7 @@ std::string strips(const std::vector<double>& ends) {
 
 // The floor of a closed cube has strips and triangles a millionth as wide as long, or a strip a ten-thousandth as
 // wide as the patches beside it. Rows of a closed system sum up to 1 with any patches: each factor of leaves is right
-// to 1e-4, and those to neighbours in a nearly equal plane to 1e-6 of the smaller patch
-// (methods/radiosity/form_factors/polygon_form_factor.h). The power is that of the series.
+// to 1e-4 (methods/radiosity/form_factors/polygon_form_factor.h). The power is that of the series.
 TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
     const TemporaryFolder folder;
     std::vector<double> fine = {-2e-6, -1e-6, 0, 1e-6, 2e-6, 1};
@@ -316,16 +296,16 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
             area += scene.system.area(leaf);
         EXPECT_NEAR(area, 24, 1e-5);
         EXPECT_LT(scene.system.closure().mean, 2e-4);
-        for (const std::size_t solver : {0u, 1u, 2u, 3u, 4u}) {
-            const auto solution = start_solution(scene.system, static_cast<RadiositySolver>(solver));
-            while (solution->residual() > converged && solution->sweeps() < 30)
-                solution->sweep();
-            EXPECT_NEAR(power_of(scene, solution->radiosity()) * 0.5, first_power(scene),
+        for (const std::size_t solver : {0u, 1u}) {
+            RadiositySolution solution(scene.system, static_cast<RadiositySolver>(solver));
+            while (solution.residual() > converged && solution.sweeps() < 30)
+                solution.sweep();
+            EXPECT_NEAR(power_of(scene, solution.radiosity()) * 0.5, first_power(scene),
                         (converged + 2 * row_rounding) * first_power(scene))
                 << radiosity_solver_names[solver];
             for (const std::uint32_t leaf : scene.system.leaves()) {
-                ASSERT_TRUE(solution->radiosity()[leaf].isFinite().all());
-                EXPECT_GE(solution->radiosity()[leaf][0], 0);
+                ASSERT_TRUE(solution.radiosity()[leaf].isFinite().all());
+                EXPECT_GE(solution.radiosity()[leaf][0], 0);
             }
         }
     }

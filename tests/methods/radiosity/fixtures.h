@@ -1,8 +1,7 @@
 #pragma once
 // Small scenes for tests of radiosity, and structs that assemble their patches, light, links and equation system.
 
-#include "methods/radiosity/light.h"
-#include "methods/radiosity/system.h"
+#include "methods/radiosity/solution.h"
 #include "tests/support/scene_fixtures.h"
 
 #include <fmt/format.h>
@@ -34,15 +33,15 @@ struct ScenePatches {
 struct PatchedScene : ScenePatches {
     std::uint64_t rays = 0;
     PatchLight light;
-    PatchLinks links;
+    std::vector<PatchLink> links;
     RadiositySystem system;
 
     /// `error`: bound of the links' error, where 0 links all pairs of leaves.
     PatchedScene(const std::string& xml, double size, double error = 0, bool closed = true)
         : ScenePatches(xml, size),
           light(patch_light(mesh, 16, 1, rays)),
-          links(link_patches(mesh, light, {error, error == 0, 1})),
-          system(mesh, light, links.links, closed) {}
+          links(link_patches(mesh, light, {error, 1}, rays)),
+          system(mesh, light, links, closed) {}
 };
 
 }  // namespace gib::test

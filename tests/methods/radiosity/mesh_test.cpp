@@ -1,9 +1,11 @@
-// The division of surfaces into patches: charts, leaves, contacts and vertices.
-#include "methods/radiosity/contacts.h"
+// The division of surfaces into patches: charts, leaves and corners.
+#include "methods/radiosity/corners.h"
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/scene_text.h"
 
+#include <functional>
 #include <numbers>
+#include <set>
 
 namespace gib::test::mesh_test {
 namespace {
@@ -67,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryShapeInPatches, testing::ValuesIn(shapes()
 
 TEST_P(EveryShapeInPatches, HasAsManyChartsAsItHasFaces) {
     if (GetParam().charts > 0) EXPECT_EQ(charts_.size(), GetParam().charts);
-    else EXPECT_EQ(charts_.size(), mesh_.leaf_count()) << "pieces of curved shapes are patches";
+    else EXPECT_EQ(charts_.size(), mesh_.leaves().size()) << "pieces of curved shapes are patches";
 }
 
 TEST_P(EveryShapeInPatches, CoversItOnce) {
@@ -103,8 +105,8 @@ TEST_P(EveryShapeInPatches, FindsThePlaceOfEveryPoint) {
         const auto weights = mesh_.weights(leaf, place->uv);
         Vec3d p = Vec3d::Zero();
         double sum = 0;
-        for (std::size_t k = 0; k < static_cast<std::size_t>(leaf.corner_count()); ++k) {
-            p += weights[k] * mesh_.chart_of(leaf).position(uv_of(leaf.corners[k]));
+        for (std::size_t k = 0; k < leaf.corner_count(); ++k) {
+            p += weights[k] * mesh_.chart_of(leaf).position(leaf.corners[k]);
             sum += weights[k];
         }
         EXPECT_NEAR(sum, 1, 1e-9);
@@ -126,7 +128,7 @@ TEST(PatchMesh, GivesTwoSidedMaterialsPatchesOnBothSides) {
     const ScenePatches patches(shape("rectangle", diffuse(0.5)), 1.01);
     const PatchMesh& mesh = patches.mesh;
     ASSERT_EQ(mesh.sides().size(), 2u);
-    EXPECT_EQ(mesh.leaf_count(), 8u);
+    EXPECT_EQ(mesh.leaves().size(), 8u);
     EXPECT_LT(mesh.nodes()[mesh.sides()[0].root].polygon.normal.dot(mesh.nodes()[mesh.sides()[1].root].polygon.normal),
               -0.999);
 }
@@ -149,41 +151,6 @@ TEST(PatchMesh, HalvesTrianglesIntoNoNarrowerOnes) {
     }
 }
 
-// A box stands on the floor. The leaves that its outline crosses are halved until they are as small as asked, and no
-// others.
-TEST(PatchContacts, AreHalvedAlongTheOutlineOfWhatStandsThere) {
-    constexpr double least = 0.1;
-    ScenePatches patches(shape("rectangle", grey) + shape("cube", to_world(scale(0.3), translate(0, 0, 0.3)), grey),
-                         1.01);
-    PatchMesh& mesh = patches.mesh;  // 2 x 2 on the floor
-    const auto crossed = [&](const PatchNode& node) {
-        Vec2d lower = Vec2d::Constant(2), upper = -lower;
-        for (const Vec3d& corner : node.polygon.corners()) {
-            lower = lower.cwiseMin(corner.head<2>());
-            upper = upper.cwiseMax(corner.head<2>());
-        }
-        const bool meets = (lower.array() < 0.3).all() && (upper.array() > -0.3).all();
-        return meets && !((lower.array() > -0.3).all() && (upper.array() < 0.3).all());
-    };
-    std::uint64_t rays = 0;
-    halve_at_contacts(mesh, least, rays);
-    EXPECT_GT(rays, 0u);
-    int halved = 0;
-    for (const PatchNode& node : mesh.nodes()) {
-        if (node.is_cluster()) continue;
-        const bool floor = mesh.chart_of(node).shape == 0;
-        if (!floor) {
-            EXPECT_TRUE(node.is_leaf());  // the box's faces are smaller than asked, and nothing stands on them
-        } else if (node.is_leaf()) {
-            EXPECT_TRUE(!crossed(node) || node.radius <= least);
-        } else if (node.across + node.along >= 2) {
-            EXPECT_TRUE(crossed(node));
-            ++halved;
-        }
-    }
-    EXPECT_GE(halved, 24);  // each quarter of the floor is halved at every size
-}
-
 TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
     const ScenePatches patches(group_of("sphere") + instance_of_group, 0.4);
     const auto& [loaded, charts, mesh] = patches;
@@ -199,69 +166,56 @@ TEST(PatchMesh, FindsPlacesOnInstancedSpheres) {
     }
 }
 
-/// A shape of few patches, one of which is halved nine times, always in one of the two halves made last, so that ever
-/// smaller patches approach a corner. Its vertices have pseudo-random values; the value at a T-junction is the mean of the
-/// two vertices that it is bound to.
-struct HalvedIntoACorner : ScenePatches {
-    explicit HalvedIntoACorner(const std::string& xml) : ScenePatches(xml, 1.01) {
-        auto node = static_cast<std::uint32_t>(mesh.nodes().size() - 4);
-        for (int k = 0; k < 9; ++k) {
-            EXPECT_TRUE(mesh.nodes()[node].is_leaf());
-            mesh.split(node);
-            node = static_cast<std::uint32_t>(mesh.nodes().size() - (k % 4 == 0 ? 1 : 2));
-        }
-        vertices.emplace(mesh);
-        EXPECT_FALSE(vertices->bound().empty());
-        for (std::size_t i = 0; i < vertices->vertices().size(); ++i)
-            values.push_back(static_cast<double>(mix64(i) % 1000));
-        for (const auto& bound : vertices->bound())
-            values[bound.vertex] = 0.5 * (values[bound.first] + values[bound.second]);
-    }
-    /// The interpolated value; none outside the leaf, where weights are cut off.
-    std::optional<double> value_in(std::uint32_t leaf, const Vec2d& uv) const {
-        const PatchNode& node = mesh.nodes()[leaf];
-        const auto weights = mesh.weights(node, uv);
-        double value = 0;
-        Vec2d there = Vec2d::Zero();
-        for (std::size_t k = 0; k < static_cast<std::size_t>(node.corner_count()); ++k) {
-            value += weights[k] * values[vertices->of_leaf(leaf)[k]];
-            there += weights[k] * uv_of(node.corners[k]);
-        }
-        return (there - uv).norm() > 1e-9 ? std::nullopt : std::optional(value);
-    }
+/// The patches of a shape and what their corners make of the values value(centre) of the leaves.
+struct ShapeWithCorners : ScenePatches {
+    PatchCorners corners;
+    ShapeWithCorners(const std::string& xml, double size) : ScenePatches(xml, size), corners(mesh) {}
 
-    std::optional<PatchVertices> vertices;
-    std::vector<double> values;
+    std::vector<Colord> values(const std::function<double(const Vec3d&)>& value) const {
+        PatchColors of_leaves(mesh.nodes().size(), Colord::Zero());
+        std::vector<double> areas(mesh.nodes().size());
+        for (const std::uint32_t leaf : mesh.leaves()) {
+            of_leaves[leaf] = Colord::Constant(value(mesh.nodes()[leaf].center));
+            areas[leaf] = mesh.nodes()[leaf].area;
+        }
+        return corners.values(of_leaves, areas);
+    }
 };
 
-// Values that are interpolated from both sides of an edge agree whatever the corners' values are, also where small
-// patches meet a large one: they are compared at points of every edge that also belong to another leaf.
-void expect_no_cracks(const std::string& xml) {
-    const HalvedIntoACorner patches(xml);
-    const auto& nodes = patches.mesh.nodes();
-    int compared = 0;
-    for (std::uint32_t a = 0; a < nodes.size(); ++a)
-        for (std::size_t k = 0; nodes[a].is_leaf() && k < static_cast<std::size_t>(nodes[a].corner_count()); ++k)
-            for (const double t : {0.0, 0.3, 0.5, 0.9}) {
-                const auto& corners = nodes[a].corners;
-                const Vec2d from = uv_of(corners[k]),
-                            to = uv_of(corners[(k + 1) % static_cast<std::size_t>(nodes[a].corner_count())]);
-                const Vec2d uv = from + t * (to - from);
-                const auto here = patches.value_in(a, uv);
-                ASSERT_TRUE(here);
-                for (std::uint32_t b = 0; b < nodes.size(); ++b) {
-                    const auto there = b != a && nodes[b].is_leaf() ? patches.value_in(b, uv) : std::nullopt;
-                    if (!there) continue;
-                    EXPECT_NEAR(*here, *there, 1e-6);
-                    ++compared;
-                }
-            }
-    EXPECT_GT(compared, 100);
+TEST(PatchCorners, AreSharedOverSmoothSurfacesOnly) {
+    // Each face of the cube is divided into 4 x 4 patches.
+    EXPECT_EQ(ShapeWithCorners(shape("cube", grey), 0.51).corners.size(), 6u * 5 * 5);
+    // Both triangles of a plane that is no quadrilateral, and pieces of a sphere: V - E + F = 2, where E and F of the
+    // pieces count by their corners; the poles are corners of all pieces around them.
+    const ShapeWithCorners sphere(shape("sphere", grey), 0.51);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (const std::uint32_t leaf : sphere.mesh.leaves()) {
+        const auto corners = sphere.corners.in_turn(leaf);
+        for (std::size_t k = 0; k < 4; ++k)
+            if (const std::uint32_t a = corners[k], b = corners[(k + 1) % 4]; a != b) edges.insert(std::minmax(a, b));
+    }
+    EXPECT_EQ(sphere.corners.size() + sphere.mesh.leaves().size(), edges.size() + 2);
 }
 
-TEST(PatchVertices, InterpolateWithoutCracks) { expect_no_cracks(shape("rectangle", grey)); }
-TEST(PatchVertices, InterpolateWithoutCracksBetweenTriangles) {
-    expect_no_cracks(obj_shape("one.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n"));
+TEST(PatchCorners, ShowALinearFieldAndKeepItsMean) {
+    for (const std::string& xml : {shape("rectangle", grey), obj_shape("two.obj",
+                                                                       "v -1 -1 0\nv 3 -1 0\nv 1 2 0\nv 1 9 0\n"
+                                                                       "f 1 2 3\n")}) {
+        const ShapeWithCorners patches(xml, 0.3);
+        const auto field = [](const Vec3d& p) { return 2 + 0.3 * p.x() - 0.2 * p.y(); };
+        const auto values = patches.values(field);
+        double mean = 0, truth = 0, worst = 0;
+        for (const std::uint32_t i : patches.mesh.leaves()) {
+            const PatchNode& leaf = patches.mesh.nodes()[i];
+            for (std::size_t k = 0; k < leaf.corner_count(); ++k)
+                mean += leaf.area / static_cast<double>(leaf.corner_count()) * values[patches.corners.of_leaf(i)[k]][0];
+            truth += leaf.area * field(leaf.center);
+        }
+        for (std::size_t i = 0; i < values.size(); ++i)
+            worst = std::max(worst, std::abs(values[i][0] - field(patches.corners.place(i).cast<double>())));
+        EXPECT_NEAR(mean / truth, 1, 1e-3);
+        EXPECT_LT(worst, 0.25 * 0.3 * std::hypot(0.3, 0.2)) << "a quarter of the change over a patch, at an edge";
+    }
 }
 
 }  // namespace

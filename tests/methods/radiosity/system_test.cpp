@@ -1,5 +1,4 @@
 // The equation system of radiosity and its solvers are compared with closed forms.
-#include "methods/radiosity/model.h"
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/scene_text.h"
 
@@ -34,71 +33,29 @@ double mean_over(const RadiositySystem& system, const PatchColors& values, int c
     return sum / area;
 }
 
-std::unique_ptr<RadiositySolution> solved(const RadiositySystem& system, RadiositySolver solver, double residual,
-                                          int most = 10000) {
-    auto solution = start_solution(system, solver);
-    while (solution->residual() > residual && solution->sweeps() < most)
-        solution->sweep();
+RadiositySolution solved(const RadiositySystem& system, RadiositySolver solver, double residual) {
+    RadiositySolution solution(system, solver);
+    while (solution.residual() > residual && solution.sweeps() < 100)
+        solution.sweep();
     return solution;
 }
+RadiositySolution iterated(const RadiositySystem& system, double residual) {
+    return solved(system, RadiositySolver::hierarchical, residual);
+}
 
+// The iteration and the factors of the matrix find the same solution, also where a patch reflects nothing in a channel.
 TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
     const PatchedScene scene(coloured_room, 0.51, 0, false);
-    for (const PatchLink& link : scene.links.links)
+    for (const PatchLink& link : scene.links)
         for (const std::uint32_t end : {link.p, link.q})
             ASSERT_TRUE(scene.mesh.nodes()[end].is_leaf());
-    const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10, 1);
-    EXPECT_LT(truth->residual(), 1e-10);
-    for (const auto solver :
-         {RadiositySolver::gauss_seidel, RadiositySolver::shooting, RadiositySolver::conjugate_gradient}) {
-        const auto found = solved(scene.system, solver, 1e-6);
-        for (const std::uint32_t leaf : scene.system.leaves())
-            for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(found->radiosity()[leaf][c], truth->radiosity()[leaf][c],
-                            1e-4 * truth->radiosity()[leaf][c])
-                    << radiosity_solver_names[static_cast<std::size_t>(solver)] << ' ' << leaf;
-    }
-}
-
-// The power of the first reflection has been absorbed or is still to be shot.
-TEST(RadiositySystem, EnergyBalancesAtEverySweepOfShooting) {
-    const PatchedScene scene = cube_of(0.6, 0.7);
-    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
-    const double first = scene.system.power(solution->radiosity())[0];
-    for (int sweep = 0; sweep < 6; ++sweep) {
-        solution->sweep();
-        double received = 0;  // flux of reflected light: sum of area (B - B1) / rho, where B1 is the first reflection
-        for (const std::uint32_t leaf : scene.system.leaves())
-            received += scene.system.area(leaf) *
-                        (solution->radiosity()[leaf][0] - scene.system.first_reflection(leaf)[0]) / 0.6;
-        EXPECT_NEAR(0.4 * received + solution->residual() * first, first, 1e-5 * first) << sweep;
-        EXPECT_LT(solution->residual(), std::pow(0.6, sweep + 1));
-    }
-}
-
-// In a closed room of one reflectance, the ambient estimate adds exactly the power that is still to be reflected. The
-// estimate is not part of the solution.
-TEST(RadiositySystem, ShownShootingHasAllPowerFromTheFirstSweep) {
-    const PatchedScene scene = cube_of(0.6, 0.7);
-    const auto solution = start_solution(scene.system, RadiositySolver::shooting);
-    const double first = scene.system.power(solution->radiosity())[0];
-    for (int sweep = 0; sweep < 4; ++sweep) {
-        EXPECT_NEAR(scene.system.power(solution->shown())[0], first / 0.4, 1e-5 * first) << sweep;
-        EXPECT_NEAR(scene.system.power(solution->radiosity())[0],
-                    first / 0.4 - solution->residual() * first * 0.6 / 0.4, 1e-5 * first)
-            << sweep;
-        solution->sweep();
-    }
-}
-
-// If patches received the radiosity of the sweep before (Jacobi iteration), each sweep would add one reflection;
-// rho^(n + 1) would be missing after n sweeps.
-TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
-    const PatchedScene scene = cube_of(0.9, 0.7);
-    const auto solution = start_solution(scene.system, RadiositySolver::gauss_seidel);
-    for (int sweep = 1; sweep <= 8; ++sweep)
-        solution->sweep();
-    EXPECT_LT(solution->residual(), std::pow(0.9, 9) / 2);
+    const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10);
+    EXPECT_EQ(truth.sweeps(), 1);
+    const auto found = iterated(scene.system, 1e-7);
+    for (const std::uint32_t leaf : scene.system.leaves())
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(found.radiosity()[leaf][c], truth.radiosity()[leaf][c], 1e-5 * truth.radiosity()[leaf][c])
+                << leaf;
 }
 
 // Walls of a closed cube reflect the share rho of all light that reaches them. The mean indirect irradiance is flux /
@@ -106,8 +63,8 @@ TEST(RadiositySystem, GaussSeidelGathersWhatTheSameSweepHasFound) {
 TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_cube(grey(rho)) + point_light(0, 0, 0, 1), 0.26, 0.02);
-        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        const PatchColors E = scene.system.irradiance(solution->radiosity());
+        const auto solution = iterated(scene.system, 1e-5);
+        const PatchColors E = scene.system.irradiance(solution.radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
     }
 }
@@ -115,7 +72,7 @@ TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
 // Form factors between flat patches without occluders have a closed form, so the scaling of rows corrects little.
 TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
     const PatchedScene scene(hollow_cube(grey(0.5)) + point_light(0, 0, 0, 1), 0.51);
-    EXPECT_LT(scene.system.closure().largest, 1e-3);
+    EXPECT_LT(scene.system.closure().largest, 1e-4);
 }
 
 // Every point of a sphere receives the same indirect irradiance, whatever the
@@ -123,8 +80,8 @@ TEST(RadiositySystem, RowsOfAClosedRoomSumUpToOne) {
 TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
     for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
         const PatchedScene scene(hollow_sphere(grey(rho)) + point_light(0.3, 0.2, 0.1, 1), 0.45);
-        const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-        const PatchColors E = scene.system.irradiance(solution->radiosity());
+        const auto solution = iterated(scene.system, 1e-5);
+        const PatchColors E = scene.system.irradiance(solution.radiosity());
         EXPECT_NEAR(mean_over(scene.system, E, 0) / (rho / (1 - rho)), 1, 0.005) << rho;
         for (const std::uint32_t leaf : scene.system.leaves())
             EXPECT_NEAR(E[leaf][0] / (rho / (1 - rho)), 1, 0.05) << rho;
@@ -134,8 +91,8 @@ TEST(RadiositySystem, AnIntegratingSpheresIndirectLightIsAGeometricSeries) {
 /// Standard deviation of the indirect irradiance of an integrating sphere's patches over its mean, which is 1.
 double unevenness_of_a_sphere(double size) {
     const PatchedScene scene(hollow_sphere(grey(0.5)) + point_light(0.3, 0.2, 0.1, 1), size);
-    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-5);
-    PatchColors E = scene.system.irradiance(solution->radiosity());
+    const auto solution = iterated(scene.system, 1e-5);
+    PatchColors E = scene.system.irradiance(solution.radiosity());
     for (Colord& e : E)
         e = (e - 1).square();
     return std::sqrt(mean_over(scene.system, E, 0));
@@ -150,9 +107,9 @@ TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
 
 TEST(RadiositySystem, WhiteWallsConverge) {
     const PatchedScene scene = cube_of(0.999, 0.51, 0.02);
-    const auto solution = solved(scene.system, RadiositySolver::hierarchical, 1e-4, 100);
-    EXPECT_LT(solution->residual(), 1e-4);
-    EXPECT_NEAR(mean_over(scene.system, scene.system.irradiance(solution->radiosity()), 0) / (4 * pi / 24 * 999), 1,
+    const auto solution = iterated(scene.system, 1e-4);
+    EXPECT_LT(solution.residual(), 1e-4);
+    EXPECT_NEAR(mean_over(scene.system, scene.system.irradiance(solution.radiosity()), 0) / (4 * pi / 24 * 999), 1,
                 0.005);
 }
 
@@ -163,11 +120,11 @@ TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
         term[leaf] = scene.system.first_reflection(leaf);
     series = term;
     for (int n = 1; n <= 4; ++n) {
-        const auto solution = start_series(scene.system, n);
-        while (solution->residual() > 0)
-            solution->sweep();
+        RadiositySolution solution(scene.system, RadiositySolver::hierarchical, n);
+        while (solution.residual() > 0)
+            solution.sweep();
         for (const std::uint32_t leaf : scene.system.leaves())
-            EXPECT_NEAR(solution->radiosity()[leaf].sum(), series[leaf].sum(), 1e-12 * series[leaf].sum()) << n;
+            EXPECT_NEAR(solution.radiosity()[leaf].sum(), series[leaf].sum(), 1e-12 * series[leaf].sum()) << n;
         const PatchColors E = scene.system.irradiance(term);
         for (const std::uint32_t leaf : scene.system.leaves()) {
             term[leaf] = scene.system.reflectance(leaf) * E[leaf];
@@ -179,11 +136,11 @@ TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
 // Links between groups transport the same light as links between all patches, and there are fewer of them.
 TEST(PatchLinks, BetweenGroupsCarryTheSameLight) {
     const PatchedScene all(coloured_room, 0.26, 0, false), grouped(coloured_room, 0.26, 0.05, false);
-    EXPECT_LT(grouped.links.links.size(), all.links.links.size() / 2);
-    const auto truth = solved(all.system, RadiositySolver::conjugate_gradient, 1e-6);
-    const auto found = solved(grouped.system, RadiositySolver::hierarchical, 1e-6);
+    EXPECT_LT(grouped.links.size(), all.links.size() / 2);
+    const auto truth = iterated(all.system, 1e-6);
+    const auto found = iterated(grouped.system, 1e-6);
     for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(mean_over(grouped.system, found->radiosity(), c) / mean_over(all.system, truth->radiosity(), c), 1,
+        EXPECT_NEAR(mean_over(grouped.system, found.radiosity(), c) / mean_over(all.system, truth.radiosity(), c), 1,
                     0.01);
 }
 
@@ -223,15 +180,13 @@ TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
     const TemporaryFolder folder;
     const std::string scene_text = hollow_cube(grey(0.5)) + ball_mesh(folder, 12) + point_light(0.3, 0.2, 0.8, 1);
     const PatchedScene all(scene_text, 0.51, 0, false), grouped(scene_text, 0.51, 0.02, false);
-    EXPECT_LT(grouped.links.links.size(), all.links.links.size());
+    EXPECT_LT(grouped.links.size(), all.links.size());
     const auto with_cluster = [&](const PatchLink& link) {
         return grouped.mesh.nodes()[link.p].is_cluster() || grouped.mesh.nodes()[link.q].is_cluster();
     };
-    EXPECT_TRUE(std::any_of(grouped.links.links.begin(), grouped.links.links.end(), with_cluster));
-    const PatchColors truth =
-        all.system.irradiance(solved(all.system, RadiositySolver::conjugate_gradient, 1e-6)->radiosity());
-    const PatchColors found =
-        grouped.system.irradiance(solved(grouped.system, RadiositySolver::hierarchical, 1e-6)->radiosity());
+    EXPECT_TRUE(std::any_of(grouped.links.begin(), grouped.links.end(), with_cluster));
+    const PatchColors truth = all.system.irradiance(iterated(all.system, 1e-6).radiosity());
+    const PatchColors found = grouped.system.irradiance(iterated(grouped.system, 1e-6).radiosity());
     for (const std::uint32_t shape : {0u, 1u}) {
         double expected = 0, sum = 0;
         for (const std::uint32_t leaf : all.system.leaves()) {
@@ -247,7 +202,7 @@ TEST(PatchLinks, BetweenClustersCarryTheSameLight) {
 TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     const auto reflectance_of = [](const std::string& material) {
         const PatchedScene scene(shape("rectangle", material) + point_light(0, 0, 1, 1), 3, 0, false);
-        EXPECT_EQ(scene.system.size(), 1u);
+        EXPECT_EQ(scene.mesh.leaves().size(), 1u);
         return scene.light.reflectance[0][1];
     };
     EXPECT_NEAR(reflectance_of(grey(0.5)), 0.5, 1e-6);
@@ -257,41 +212,11 @@ TEST(PatchLight, ReflectsTheMeanOfAPatch) {
     EXPECT_NEAR(reflectance_of(board), 0.5, 0.05);
 }
 
-// The walls of a closed block have patches on both sides. Those inside are dark, and no others.
-TEST(PatchLight, FindsThatNoLightGetsIntoAClosedBlock) {
-    const PatchedScene scene(
-        hollow_cube(grey(0.5)) + shape("cube", to_world(scale(0.3)), diffuse(0.5)) + point_light(0.3, 0.2, 0.8, 1),
-        0.51);
-    int dark = 0;
-    for (const std::uint32_t leaf : scene.system.leaves()) {
-        const PatchNode& node = scene.mesh.nodes()[leaf];
-        const bool inside = scene.mesh.chart_of(node).shape == 1 && node.polygon.normal.dot(node.center) < 0;
-        EXPECT_EQ(node.dark, inside) << node.center.transpose();
-        dark += node.dark ? 1 : 0;
-    }
-    EXPECT_GT(dark, 0);
-}
-
-// A block stands in the middle of four patches and covers 9 % of each. The 16 points of a patch lie in 4 x 4 equal cells,
-// one of which is covered; three others are covered in part.
-TEST(PatchLight, LeavesOutWhatABlockCovers) {
-    const PatchedScene scene(shape("rectangle", grey(0.5)) +
-                                 shape("cube", to_world(scale(0.3), translate(0, 0, 0.3)), grey(0.5)) +
-                                 point_light(0, 0, 3, 1),
-                             1.01, 0, false);
-    for (const std::uint32_t leaf : scene.system.leaves()) {
-        const PatchNode& node = scene.mesh.nodes()[leaf];
-        if (scene.mesh.chart_of(node).shape != 0) continue;
-        EXPECT_LE(node.uncovered(), 15.0 / 16);
-        EXPECT_GE(node.uncovered(), 12.0 / 16);
-    }
-}
-
 TEST(PatchLinks, BrightSourcesAreLinkedMoreFinelyThanDarkOnes) {
     const auto links_with = [](double height) {
         const PatchedScene scene(hollow_cube(grey(0.5)) + point_light(0, 0, height, 1), 0.26, 0.02);
         std::size_t low = 0, high = 0;
-        for (const PatchLink& link : scene.links.links)
+        for (const PatchLink& link : scene.links)
             for (const std::uint32_t end : {link.p, link.q})
                 ++(scene.mesh.nodes()[end].center.z() > 0 ? high : low);
         return static_cast<double>(high) / static_cast<double>(low);

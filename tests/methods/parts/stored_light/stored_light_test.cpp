@@ -104,7 +104,7 @@ TEST(StoredLight, OfAProgressiveMapperIsThatOfTheLastPass) {
 TEST(StoredLight, OfRadiosityIsThePowerThatPatchesReflect) {
     const auto room = seen_from_inside(hollow_cube(one_sided("0.5")) + point_light(0, 0, 0, 1));
     EXPECT_TRUE(stored_after(room, "radiosity patch=0.1", 0).empty()) << "before the first sweep";
-    const StoredPatches patches = stored_after(room, "radiosity patch=0.1 adapt=off", 20).patches;
+    const StoredPatches patches = stored_after(room, "radiosity patch=0.1", 20).patches;
     ASSERT_EQ(patches.corners.size(), patches.radiosity.size());
     double area = 0, power = 0;
     for (const auto& [a, b, c, d] : patches.patches) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double pi_d = std::numbers::pi;
 /// The tolerance of polygon_form_factor, relative.
-constexpr double tolerance = 6e-4;
+constexpr double tolerance = 1e-4;
 
 const std::vector<double> distances = {1e-3, 1e-2, 0.1, 0.3, 1, 3, 10, 100, 1e3};
 
@@ -123,9 +123,9 @@ TEST(PolygonFormFactor, ParallelRectanglesHaveTheClosedForm) {
             const PatchPolygon ceiling = rectangle({o.u, o.v, z}, {0, o.depth, 0}, {o.width, 0, 0});
             const double exact = parallel_rectangles(1, 0.7L, o.u, o.u + o.width, o.v, o.v + o.depth, z);
             SCOPED_TRACE(testing::Message() << "z " << z << " at " << o.u << " " << o.v << " width " << o.width);
-            EXPECT_NEAR(polygon_form_factor(floor, ceiling), exact / floor.area, tolerance * exact / floor.area + 1e-7);
+            EXPECT_NEAR(polygon_form_factor(floor, ceiling), exact / floor.area, tolerance * exact / floor.area + 1e-8);
             EXPECT_NEAR(polygon_form_factor(ceiling, floor), exact / ceiling.area,
-                        tolerance * exact / ceiling.area + 1e-7);
+                        tolerance * exact / ceiling.area + 1e-8);
         }
 }
 
@@ -215,8 +215,8 @@ TEST(PolygonFormFactor, SphereSeesARectangleAsItsCentreDoes) {
 
 // Laws that every form factor obeys: rows of closed scenes sum up to 1, reciprocity, agreement with rays.
 
-/// The relative tolerance of these laws, whose polygons are more extreme.
-constexpr double law_tolerance = 1e-3;
+/// The relative tolerance of these laws.
+constexpr double law_tolerance = 1e-4;
 
 /// Polygons after a random rotation and translation, so that their coordinates and planes are rounded.
 std::vector<PatchPolygon> turned(const std::vector<PatchPolygon>& polygons, RandomPolygons& random) {
@@ -259,7 +259,7 @@ TEST(PolygonFormFactorLaws, RowsOfTetrahedraAddUpToOne) {
             PatchPolygon::triangle(v[0], v[1], v[2]), PatchPolygon::triangle(v[0], v[3], v[1]),
             PatchPolygon::triangle(v[1], v[3], v[2]), PatchPolygon::triangle(v[0], v[2], v[3])};
         for (const PatchPolygon& face : faces)
-            EXPECT_NEAR(row_sum(face, faces), 1, 3 * law_tolerance) << i;
+            EXPECT_NEAR(row_sum(face, faces), 1, 10 * law_tolerance) << i;  // 2e-4 but for one flat needle
     }
 }
 
@@ -270,8 +270,7 @@ TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
         const PatchPolygon from = random.polygon(distance * random.direction());
         const PatchPolygon whole = rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0.2, 1, 0});
         const double factor = polygon_form_factor(from, whole);
-        // The three points on each triangle leave up to 0.7 % of polygons that hardly see each other.
-        EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * law_tolerance * factor + 2e-6) << i;
+        EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * law_tolerance * factor + 1e-12) << i;
     }
 }
 
@@ -297,7 +296,7 @@ void expect_mean_over_points(const PatchPolygon& from, const PatchPolygon& to, d
     Moments mean;
     for (int i = 0; i < 40; ++i)
         mean.add(mean_over_points(from, to, 16, random));
-    EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + law_tolerance * factor + 1e-6);
+    EXPECT_NEAR(mean.mean(), factor, 6 * mean.standard_error() + law_tolerance * factor);
 }
 
 // Both factors are compared with means over points of either polygon, which do not use reciprocity. Some of the
