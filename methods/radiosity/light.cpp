@@ -66,7 +66,6 @@ public:
     Sampling(const PatchMesh& mesh, std::uint64_t seed, PatchLight& light)
         : mesh_(mesh),
           contacts_(mesh),
-          samples_(light.samples),
           seed_(seed),
           light_(light),
           irradiance_(light.points.size(), Colord::Zero()),
@@ -77,9 +76,9 @@ public:
         const std::uint32_t i = mesh_.leaves()[n];
         const PatchNode& leaf = mesh_.nodes()[i];
         const bool textured = !queries.scene().material_of_shape(mesh_.chart_of(leaf).shape).constant();
-        const std::uint32_t first = static_cast<std::uint32_t>(n) * samples_;
-        light_.points_of[i] = {first, samples_};
-        for (std::uint32_t k = 0; k < samples_; ++k) {
+        const std::uint32_t first = static_cast<std::uint32_t>(n) * light_.samples;
+        light_.points_of[i] = {first, light_.samples};
+        for (std::uint32_t k = 0; k < light_.samples; ++k) {
             const Sampler sampler(PointSet::sobol, seed_, i, k);
             SurfaceHit hit = mesh_.point_on(leaf, sampler.get_2d(on_patch).cast<double>());
             PatchLight::Point& point = light_.points[first + k];
@@ -89,7 +88,8 @@ public:
             static_cast<SurfacePoint&>(point) = hit;
             irradiance_[first + k] = irradiance_at(queries, hit, sampler);
             light_.irradiance[i] += irradiance_[first + k];
-            if (textured || k == 0) light_.reflectance[i] += reflectance_at(hit, hit.ns) / (textured ? samples_ : 1);
+            if (textured || k == 0)
+                light_.reflectance[i] += reflectance_at(hit, hit.ns) / (textured ? light_.samples : 1);
         }
     }
 
@@ -99,13 +99,17 @@ public:
     void leave_out_covered(RayQueries& queries, std::size_t n) {
         const std::uint32_t i = mesh_.leaves()[n];
         std::vector<std::uint32_t> lit, dark;
-        for (std::uint32_t k = light_.points_of[i].first; k < light_.points_of[i].first + samples_; ++k)
+        for (std::uint32_t k = light_.points_of[i].first; k < light_.points_of[i].first + light_.samples; ++k)
             (irradiance_[k].sum() > 0 ? lit : dark).push_back(k);
         in_light_[i] =
             !lit.empty() || std::ranges::any_of(dark, [&](std::uint32_t k) { return sees_light(queries, k, 1); });
         if (dark.empty() || !in_light_[i] || mesh_.chart_of(mesh_.nodes()[i]).curved) return;
         if (lit.empty()) {
-            if (!is_divided(queries, dark)) return;
+            // Whether something stands on the patch or lies close above it.
+            if (std::ranges::all_of(dark, [&](std::uint32_t k) {
+                    return is_free(queries, dark.front(), k) && !lies_under_something(queries, k);
+                }))
+                return;
             std::ranges::copy_if(dark, std::back_inserter(lit),
                                  [&](std::uint32_t k) { return sees_light(queries, k); });
             if (lit.empty()) return;
@@ -160,18 +164,11 @@ private:
         return queries.visibility({origin, origin + distance * point.ng, point.ng, distance}).maxCoeff() == 0.f;
     }
 
-    /// Whether something stands on a patch or lies close above it.
-    bool is_divided(RayQueries& queries, std::span<const std::uint32_t> points) const {
-        return std::ranges::any_of(points, [&](std::uint32_t k) {
-            return lies_under_something(queries, k) || !is_free(queries, points.front(), k);
-        });
-    }
-
     std::uint32_t nearest_point(std::uint32_t leaf, const Vec3& p) const {
-        std::uint32_t nearest = light_.points_of[leaf].first;
-        for (std::uint32_t k = nearest + 1; k < light_.points_of[leaf].first + samples_; ++k)
-            if ((light_.points[k].p - p).squaredNorm() < (light_.points[nearest].p - p).squaredNorm()) nearest = k;
-        return nearest;
+        const auto first = light_.points.begin() + light_.points_of[leaf].first;
+        const auto distance2 = [&](const SurfacePoint& point) { return (point.p - p).squaredNorm(); };
+        return static_cast<std::uint32_t>(std::ranges::min_element(first, first + light_.samples, {}, distance2) -
+                                          light_.points.begin());
     }
 
     /// Whether one of the first rays from a point meets a patch with direct light.
@@ -189,7 +186,6 @@ private:
 
     const PatchMesh& mesh_;
     const Contacts contacts_;
-    std::uint32_t samples_;
     std::uint64_t seed_;
     PatchLight& light_;
     std::vector<Colord> irradiance_;  ///< direct irradiance by point [W/m^2]

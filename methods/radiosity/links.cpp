@@ -80,9 +80,7 @@ public:
         const PatchNode& q = nodes_[pair.q];
         if (pair.p == pair.q) {
             if (p.is_cluster())
-                for (const Pair& halves :
-                     {Pair{p.child, p.child}, Pair{p.child + 1, p.child + 1}, Pair{p.child, p.child + 1}})
-                    pairs.push_back(halves);
+                pairs.insert(pairs.end(), {{p.child, p.child}, {p.child + 1, p.child + 1}, {p.child, p.child + 1}});
             return;
         }
         if (!faces(p, q) || !faces(q, p)) return;

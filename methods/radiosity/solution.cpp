@@ -82,12 +82,11 @@ Colord RadiositySolution::product(const PatchColors& a, const PatchColors& b) co
 
 void RadiositySolution::iterate() {
     constexpr int steps = 8;
-    constexpr double rounding = 1e-12;
     if (sweeps_ == 1) {
         residuals_ = reflected(X_);  // of X = B1
         directions_ = residuals_;
     }
-    for (int i = 0; i < steps && residual_ > rounding; ++i) {
+    for (int i = 0; i < steps && residual_ > 1e-12; ++i) {  // rounding
         const Colord before = product(residuals_, residuals_);
         const PatchColors reflections = reflected(directions_);
         PatchColors kept = directions_;
