@@ -41,8 +41,8 @@ std::string error_kind(const TableRow& row) {
                                share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
         case State::measured:
             return share.interval->lo >= 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
-                                            : fmt::format("{}noise; bias is {} of the squared error, {}",
-                                                          share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
+                                             : fmt::format("{}noise; bias is {} of the squared error, {}",
+                                                           share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
         case State::cannot_be_told:
             return row.statistics->bias2 && row.statistics->bias2->interval ? "bias or noise: not resolved"
                                                                             : "bias or noise: two seeds would tell";
