@@ -66,10 +66,6 @@ public:
     Sampling(const PatchMesh& mesh, std::uint64_t seed, PatchLight& light)
         : mesh_(mesh),
           contacts_(mesh),
-<<<<<<< HEAD
-          light_.samples(light.samples),
-=======
->>>>>>> rad
           seed_(seed),
           light_(light),
           irradiance_(light.points.size(), Colord::Zero()),
