@@ -44,8 +44,8 @@ TEST(PlaceRadius, OfASquareIsItsSizeAlsoAtItsEdges) {
 // Along a rod no more than two of eight directions stay on it for long: another one is at least 22.5 degrees off, and leaves
 // the part whose normal agrees, 60 degrees to either side, after sin(60) / sin(22.5) of its radius.
 TEST(PlaceRadius, OfARodIsItsThickness) {
-    const LoadedScene scene = scene_of_shapes(shape("cylinder", test::point("p0", -3, 0, 0), test::point("p1", 3, 0, 0),
-                                                    radius(0.02), bsdf("twosided", diffuse(1.0))));
+    const LoadedScene scene = scene_of_shapes(
+        shape("cylinder", test::point("p0", -3, 0, 0), test::point("p1", 3, 0, 0), radius(0.02), diffuse(1.0)));
     const float r = radius_at(scene, down_at(0.1f, 0.003f));
     EXPECT_LE(r, 0.0453f);
     EXPECT_GE(r, 0.004f);
