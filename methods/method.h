@@ -158,6 +158,9 @@ struct MethodDescription {
     /// False if its images show something else than radiance; such a method is left
     /// out wherever methods are compared.
     bool estimates_radiance = true;
+    /// False if references made of all unbiased methods leave it out. Their shares of the work follow from the variance
+    /// that a short pilot shows, which says little where rare starts decide.
+    bool makes_references = true;
     bool stores_light = false;  ///< its runs have a stored_light() of their own
 };
 

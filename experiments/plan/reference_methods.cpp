@@ -6,7 +6,7 @@ std::vector<const MethodDescription*> reference_methods(const MethodLabel& label
     std::vector<const MethodDescription*> methods;
     if (label.name == auto_reference) {
         for (const MethodDescription& method : method_registry())
-            if (method.unbiased && method.estimates_radiance) methods.push_back(&method);
+            if (method.unbiased && method.estimates_radiance && method.makes_references) methods.push_back(&method);
     } else {
         methods.push_back(&find_comparable_method(label.name, where));
     }

@@ -304,6 +304,7 @@ MethodDescription describe_metropolis() {
         .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
             return std::make_unique<Metropolis>(Settings{values.number("large_steps"), max_edges_of(values, defaults)});
         },
+        .makes_references = false,
     };
 }
 
