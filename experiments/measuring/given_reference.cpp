@@ -31,6 +31,7 @@ GivenReference given_reference(const std::string& path, int width, int height, c
     for (const auto& component : reference.components)
         sound = sound && (!component || is_sound(*component));
     if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
+    if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
     if (const auto scene = reference.metadata.find("scene_hash");
         scene != reference.metadata.end() && scene->second != content_hash)
         throw InputError({path}, "the reference is that of another scene, or of another version of this one");

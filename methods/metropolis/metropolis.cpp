@@ -20,8 +20,6 @@
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/vertices/joined_paths.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -47,8 +45,7 @@ JoinedPathsSettings short_paths(const Settings& settings) {
 /// What the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels, for one state.
 struct State {
     std::vector<std::pair<std::size_t, PixelSample>> light;
-    double size = 0;  ///< the sum over all pixels, components and channels, which chains sample; 0 if it is not finite
-    bool is_finite = true;
+    double size = 0;  ///< the sum over all pixels, components and channels, which chains sample
 };
 
 /// Makes the states of one thread.
@@ -80,8 +77,10 @@ public:
         for (const auto& [to, light] : state.light)
             for (const Color& part : light.parts)
                 state.size += double{part.sum()};
-        state.is_finite = std::isfinite(state.size);
-        if (!state.is_finite) state.size = 0;
+        if (std::isfinite(state.size)) return;
+        for (const auto& [to, light] : state.light)
+            pass_.splats.add(to, pass_.pass, light);  // counts and drops what is not finite
+        state = {};
     }
 
 private:
@@ -140,10 +139,6 @@ public:
         counts.non_finite = counts.non_finite + film_.non_finite();
         return counts;
     }
-    std::vector<std::pair<std::string, std::string>> facts() const override {
-        if (proposed_ == 0) return {};
-        return {{"accepted", fmt::format("{:.3g}", static_cast<double>(accepted_) / static_cast<double>(proposed_))}};
-    }
 
 private:
     static double mean_of(const std::vector<double>& sizes) {
@@ -176,33 +171,30 @@ private:
         std::vector<double> cumulative(sizes.size());
         std::partial_sum(sizes.begin(), sizes.end(), cumulative.begin());
         const double offset = double{Sampler(PointSet::independent, key, 1, 0).get_1d(0)};
-        std::atomic<std::uint64_t> traced = 0, accepted = 0;
+        std::atomic<std::uint64_t> traced = 0;
         StageProgress progress(stages_, step_chains, chains_);
         parallel_blocks(chains_, 1, [&](std::size_t chain, std::size_t, std::size_t) {
             const double at = (static_cast<double>(chain) + offset) / static_cast<double>(chains_) * cumulative.back();
             const auto start =
                 std::min(std::upper_bound(cumulative.begin(), cumulative.end(), at), cumulative.end() - 1);
             StateMaker maker(scene_, pass_);
-            accepted += follow_chain(maker, start_key(key, static_cast<std::size_t>(start - cumulative.begin())),
-                                     combine_keys(key, 2 * chain + 1), mean);
+            follow_chain(maker, start_key(key, static_cast<std::size_t>(start - cumulative.begin())),
+                         combine_keys(key, 2 * chain + 1), mean);
             traced += maker.rays();
             progress.add(1);
         });
         rays_ += traced;
-        accepted_ += accepted;
-        proposed_ += chains_ * steps_;
     }
 
     /// One chain: its states and its proposals, each weighed by the probability that the chain takes it (Veach 1997, section
-    /// 11.3.2). Returns how many proposals were accepted. `mean` is b of this pass.
-    std::uint64_t follow_chain(StateMaker& maker, std::uint64_t first, std::uint64_t key, double mean) {
+    /// 11.3.2). `mean` is b of this pass.
+    void follow_chain(StateMaker& maker, std::uint64_t first, std::uint64_t key, double mean) {
         PrimarySample numbers(first, key);
         const Sampler sampler(numbers);
         State now, next;
         maker.make(sampler, now);
         numbers.accept();
         double weight = 0;  // how often the chain has been in this state, as an expected value
-        std::uint64_t accepted = 0;
         for (std::uint32_t step = 0; step < steps_; ++step) {
             const Vec2 u = Sampler(PointSet::independent, key, 0, step).get_2d(dimension::choices);
             const bool is_large = double{u.x()} < large_steps_;
@@ -216,14 +208,12 @@ private:
                 std::swap(now, next);
                 weight = acceptance;
                 numbers.accept();
-                ++accepted;
             } else {
                 splat_state(next, acceptance * mean);
                 numbers.reject();
             }
         }
         splat_state(now, weight * mean);
-        return accepted;
     }
 
     // Two kinds of samples make each state, N independent ones of density 1 and M states of chains of density f / b. The balance
@@ -238,7 +228,7 @@ private:
         splat(state, times_mean * light_paths_.count / (expected_mean_ * samples_at(state.size)));
     }
     void splat(const State& state, double factor) {
-        if (!(factor > 0) || (state.is_finite && !(state.size > 0))) return;
+        if (!(factor > 0) || !(state.size > 0)) return;
         for (const auto& [pixel, light] : state.light) {
             PixelSample scaled;
             for (std::size_t c = 0; c < light.parts.size(); ++c)
@@ -258,7 +248,7 @@ private:
     PassOfPaths pass_;
     std::size_t chains_, steps_, starts_;          ///< of a pass; steps are those of one chain
     double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, and the sum over passes
-    std::uint64_t rays_ = 0, accepted_ = 0, proposed_ = 0;
+    std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;
 };
 

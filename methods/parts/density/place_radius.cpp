@@ -24,7 +24,7 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
     }
     rays.trace(tested, met);
     int found = 0;
-    for (std::size_t i = 0; i < probes; ++i)
+    for (std::size_t i = 0; i < probes && found < probes_that_hit; ++i)
         if (const auto there = rays.surface_hit({tested[i], met[i]})) found += belongs_to(*there, hit, frame.n) ? 1 : 0;
     return found >= probes_that_hit;
 }

@@ -194,6 +194,8 @@ TEST_F(GivenReferenceRun, AReferenceThatDoesNotFitFailsWithItsReason) {
     EXPECT_THAT(run().err, HasSubstr("r.exr:1:1: the reference has 4 x 4 pixels, the scene has 8 x 8"));
     write_image(8, std::numeric_limits<float>::quiet_NaN());
     EXPECT_THAT(run().err, HasSubstr("the reference has values that are not finite"));
+    write_image(8, 0.f);
+    EXPECT_THAT(run().err, HasSubstr("the reference is black"));
     write_image(8, 0.5f, -1.f);
     EXPECT_EQ(run().code, 1);
     write("other.xml", tiny_scene_xml(8) + "<!-- another -->");
