@@ -266,8 +266,10 @@ std::optional<Charts::Place> Charts::locate(const SurfaceHit& hit) const {
                      : first_object_[hit.instance] +
                            (hit.shape - scene_.groups().begin[scene_.instances()[hit.instance].group])];
     if (object.around > 0) {
-        const bool disk = std::holds_alternative<Disk>(scene_.shapes()[hit.shape]);
-        const Vec2d uv = hit.uv.cast<double>(), at = disk ? Vec2d(uv.y(), uv.x()) : uv;
+        const Shape& shape = scene_.shapes()[hit.shape];
+        const Vec3 p = own ? hit.p : carried_to_group(scene_.instances()[hit.instance], {hit.p, Vec3::UnitZ()}).o;
+        const bool disk = std::holds_alternative<Disk>(shape);
+        const Vec2d uv = surface_at_analytic(shape, p).uv.cast<double>(), at = disk ? Vec2d(uv.y(), uv.x()) : uv;
         const Vec2d pieces(object.around, object.along), scaled = at.cwiseProduct(pieces);
         const Vec2d cell = scaled.array().floor().max(0.0).min(pieces.array() - 1).matrix();
         const auto number = static_cast<std::size_t>(cell.y() * pieces.x() + cell.x());

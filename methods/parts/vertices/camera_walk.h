@@ -54,7 +54,7 @@ private:
     bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
         if (is_last()) return false;
         PathState& path = walk_.at;
-        arrive(p, 1, rules_.merging.n_at(*path.medium, p), false);
+        arrive(p, 1, rules_.merging.at(*path.medium, p), false);
         if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
         if (!goes_on_after(visit_, PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights)) return false;
         path.path_class.in_medium = true;
@@ -73,8 +73,7 @@ private:
         }
         const TechniqueSums before = sums_;
         const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
-        arrive(hit->p, cosine, rules_.merging.n_at(walk_.rays, *hit, walk_.wo()),
-               rules_.merging.any() && focuses(*hit, walk_.wo()));
+        arrive(hit->p, cosine, rules_.merging.on_surfaces, rules_.merging.any() && focuses(*hit, walk_.wo()));
         find_emitter(*hit, cosine);
         if (walk_.passes_through(*hit)) {
             sums_ = before;

@@ -116,7 +116,7 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
             add(0, light.edges + 1, path);
         },
         [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-            if (pass_.merged) pass_.merged->merge(vertex, rules, rays, flights, sample);
+            if (pass_.merged) pass_.merged->merge(vertex, rules, sample);
             if (used_.only_merging()) return;
             if (used_.light_sampling && vertex.edges + 1 >= rules.min_edges)
                 add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));

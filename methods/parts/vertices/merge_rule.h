@@ -7,9 +7,7 @@
 // next vertex; until then the term of merging at x_i is pending.
 
 #include "common/media/medium.h"
-#include "methods/parts/density/place_radius.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace gib {
@@ -25,35 +23,16 @@ enum class Merges {
     alone  ///< behind a focus; walks end where they cannot belong any more to a path that merging alone can make
 };
 
-/// The radii within which vertices are merged in a pass, and n, by which the density of merging exceeds that of a
-/// connection: the expected number of light paths' vertices that one is merged with, for each that a path has per area (or
-/// volume) there. Equation 20: eta_VCM. Both depend on the place alone, so that the walks from both ends know the same n.
-struct MergeRadii {
-    double light_paths = 0;     ///< N: light paths in a pass
-    double on_surfaces = 0;     ///< largest radius on surfaces [scene units]; 0: nothing is merged
-    double in_media = 0;        ///< largest radius in media [scene units]
-    PlaceRadius by_place = {};  ///< bounds the radius on surfaces
+/// n of a pass, by which the density of merging exceeds that of a connection: the expected number of light paths' vertices
+/// that one is merged with, for each that a path has per area (or volume) there. Equation 20: eta_VCM.
+struct MergeDensities {
+    double on_surfaces = 0;  ///< N pi r^2 with N light paths [scene units^2]; 0: nothing is merged
+    double in_media = 0;     ///< N 4/3 pi r^3 [scene units^3]
 
     bool any() const { return on_surfaces > 0 || in_media > 0; }
-
-    /// n = N pi r^2 of the place's r at a hit that is seen from wo; 0 where all lobes are deltas.
-    double n_at(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo) const {
-        if (!(on_surfaces > 0) || hit.delta_only) return 0;
-        const LobeTraits& lobes = hit.bsdf->traits_at(hit.shading.to_local(wo).z());
-        if (!lobes.diffuse && !lobes.glossy) return 0;
-        return light_paths * std::numbers::pi * sqr(on_surfaces * double{by_place.share(rays, hit, wo)});
-    }
-    double radius_of(double n) const { return std::sqrt(n / (light_paths * std::numbers::pi)); }
-
-    /// As for photon maps (volume_estimate.h), at most a mean free path.
-    double radius_at(const Medium& medium, const Vec3& p) const {
-        return std::min(in_media, double{medium.mean_free_path_at(p)});
-    }
-    /// n = N 4/3 pi r^3 times the scattering coefficient, to which the events of both walks are in proportion.
-    double n_at(const Medium& medium, const Vec3& p) const {
-        if (!(in_media > 0)) return 0;
-        const double r = radius_at(medium, p);
-        return light_paths * 4 / 3 * std::numbers::pi * r * r * r * double{medium.scattering_at(p).maxCoeff()};
+    /// n at p in a medium, where both walks have events in proportion to the scattering coefficient.
+    double at(const Medium& medium, const Vec3& p) const {
+        return in_media > 0 ? in_media * double{medium.scattering_at(p).maxCoeff()} : 0;
     }
 };
 

@@ -48,7 +48,7 @@ struct Techniques {
 struct PathRules {
     int max_edges;  ///< edges of the longest path
     Techniques used = {};
-    MergeRadii merging = {};
+    MergeDensities merging = {};
     int min_edges = 1;  ///< edges of the shortest path that counts
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
