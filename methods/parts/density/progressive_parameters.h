@@ -24,7 +24,7 @@ inline Parameter first_radius_parameter(std::string name, const std::string& whe
     Parameter parameter =
         number_parameter(std::move(name), "auto", "scene diagonals", 0x1p-40, 1,
                          "radius of the first pass " + where + "; auto: that which balances bias and variance, with " +
-                             most + " in the mean look-up at most, and on small bodies their size");
+                             most + " in the mean look-up at most");
     parameter.choices = {"auto"};
     return parameter;
 }
