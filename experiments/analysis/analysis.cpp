@@ -226,7 +226,7 @@ std::vector<Contradiction> contradicted_by(const Replicates& replicates, const R
     return contradictions(reference, replicates.images, unbiased_for);
 }
 
-/// What the images of a scene say.
+/// The findings that the images of a scene support.
 struct SceneRows {
     std::vector<TableRow> rows = {};
     Components unjudged = {};  ///< ReferenceQuality::unjudged

@@ -60,7 +60,7 @@ std::vector<Contender> ranked(std::vector<Contender> contenders);
 const Contender* best_of(const std::vector<Contender>& ranking);
 const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method);
 
-/// What a sentence about a method has to add.
+/// The remark that a sentence about a method has to add.
 struct Doubts {
     std::vector<std::string> ties = {};  ///< methods that cannot be told from it
     std::vector<std::string> open = {};  ///< methods whose runs ended before this could be told

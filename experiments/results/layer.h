@@ -60,7 +60,7 @@ private:
     unsigned bits_ = 0;
 };
 
-/// What a method leaves out of a scene.
+/// The parts of a scene's light that a method leaves out.
 struct LeftOut {
     Effects effects = {};        ///< that the scene calls for and the method does not simulate
     Components components = {};  ///< of which it leaves out paths

@@ -42,7 +42,7 @@ JoinedPathsSettings short_paths(const Settings& settings) {
     return {PointSet::sobol, std::min(settings.max_edges, shortest - 1), {}};
 }
 
-/// What the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels, for one state.
+/// The light that the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels.
 struct State {
     std::vector<std::pair<std::size_t, PixelSample>> light;
     double size = 0;  ///< the sum over all pixels, components and channels, which chains sample

@@ -90,7 +90,7 @@ TEST(SimulatedExperiments, NameNoWinnerAmongEqualMethods) {
         }
 }
 
-/// Of 200 experiments, those in which one of two methods is named the best at equal time, without a tie.
+/// The number of experiments out of 200 in which one of two methods is named the best at equal time, without a tie.
 int winners(const std::array<std::pair<Truth, Scatter>, 2>& methods, int seeds) {
     std::mt19937_64 random(static_cast<std::uint64_t>(31 + seeds));
     int named = 0;

@@ -95,7 +95,7 @@ protected:
         for (Image& group : layer.groups)
             for (float& v : group.rgb)
                 v *= factor;
-        // What the file's format adds is no attribute of a reference.
+        // An attribute that the file's format adds is none of a reference.
         std::erase_if(reference.metadata, [](const auto& entry) {
             return entry.first != "scene_hash" && entry.first != "method" && entry.first != "passes" &&
                    entry.first != "makers";

@@ -27,7 +27,7 @@ TEST(PrimarySample, IsWhatItWasAfterARejectedStep) {
         const float new_block = number(sample, 5, 1);
         sample.reject();
         EXPECT_EQ(number(sample, 5, 0), kept);
-        // What only a rejected step has seen is forgotten.
+        // Numbers that only a rejected step has seen are forgotten.
         sample.propose(false);
         EXPECT_NE(number(sample, 5, 1), new_block);
     }

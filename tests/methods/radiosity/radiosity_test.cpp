@@ -166,7 +166,7 @@ void expect_indirect_light_of_path_tracing(const std::string& body) {
         EXPECT_NEAR(mean_of(*render(scene, label, 32)[Component::indirect]).mean() / truth, 1, 0.02) << label;
 }
 
-// What stands on the floor covers it, with or without a bottom. No light gets in, and it is not taken for light that is
+// A block that stands on the floor covers it, with or without a bottom. No light gets in, and it is not taken for light that is
 // shut in.
 TEST(Radiosity, ABlockStandsOnTheFloor) {
     expect_indirect_light_of_path_tracing(open_room(
