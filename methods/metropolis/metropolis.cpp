@@ -122,7 +122,7 @@ public:
         const std::uint64_t key = combine_keys(seed_, std::uint64_t{pass} + 2);
         const std::vector<double> sizes = sample_starts(key, true);
         const double mean = mean_of(sizes);
-        if (mean > 0) follow_chains(key, sizes, mean);
+        follow_chains(key, sizes, mean);
         sum_of_means_ += mean;
         if (sum_of_means_ > 0) expected_mean_ = sum_of_means_ / passes_;
         return Progress::more;
@@ -187,7 +187,8 @@ private:
     }
 
     /// One chain: its states and its proposals, each weighed by the probability that the chain takes it (Veach 1997, section
-    /// 11.3.2). `mean` is b of this pass.
+    /// 11.3.2). `mean` is b of this pass. If it is 0, the states have no weight, but the large steps still count as independent
+    /// samples, whose number must not depend on what the others found.
     void follow_chain(StateMaker& maker, std::uint64_t first, std::uint64_t key, double mean) {
         PrimarySample numbers(first, key);
         const Sampler sampler(numbers);
@@ -200,7 +201,7 @@ private:
             const bool is_large = double{u.x()} < large_steps_;
             numbers.propose(is_large);
             maker.make(sampler, next);
-            const double acceptance = std::min(1., next.size / now.size);
+            const double acceptance = next.size < now.size ? next.size / now.size : 1;
             if (is_large) splat_independent(next);
             weight += 1 - acceptance;
             if (double{u.y()} < acceptance) {
