@@ -74,12 +74,14 @@ public:
             part *= static_cast<float>(pass_.paths.count);
         state.light.emplace_back(pixel, seen);
         state.size = 0;
+        PixelSample lost;
         for (const auto& [to, light] : state.light)
-            for (const Color& part : light.parts)
-                state.size += double{part.sum()};
+            for (std::size_t c = 0; c < light.parts.size(); ++c) {
+                state.size += double{light.parts[c].sum()};
+                if (!light.parts[c].isFinite().all()) lost.parts[c] = light.parts[c];
+            }
         if (std::isfinite(state.size)) return;
-        for (const auto& [to, light] : state.light)
-            pass_.splats.add(to, pass_.pass, light);  // counts and drops what is not finite
+        pass_.splats.add(pixel, pass_.pass, lost);  // counts and drops what is not finite
         state = {};
     }
 
