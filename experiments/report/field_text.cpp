@@ -77,6 +77,7 @@ std::string csv_state(const Field& field) {
     constexpr const char* names[] = {
         "",      "measured", "extrapolated", "at least",       "below",    "some seeds", "not reached",
         "never", "unbiased", "not resolved", "cannot be told", "no image", "not judged"};
+    static_assert(std::size(names) == static_cast<std::size_t>(State::not_judged) + 1);
     return names[static_cast<std::size_t>(field.state)];
 }
 

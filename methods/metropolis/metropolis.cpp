@@ -30,8 +30,9 @@ namespace gib {
 namespace {
 
 constexpr std::string_view step_chains = "chains";
-constexpr int shortest = 3;                  // edges of the chains' shortest paths
-constexpr std::size_t steps_of_chain = 256;  // at most, in a pass
+constexpr int shortest = 3;  // edges of the chains' shortest paths
+// The steps of a chain in a pass, at most. 256 and 2,304 steps were equally good on cornell-glass, door-ajar and lamp-in-glass.
+constexpr std::size_t steps_of_chain = 256;
 
 struct Settings {
     double large_steps;
@@ -57,8 +58,8 @@ public:
 
     void make(const Sampler& sampler, State& state) {
         const Sensor& sensor = rays_.scene().sensor();
-        const Vec2 place(sampler.get_2d(dimension::film).x() * static_cast<float>(sensor.width()),
-                         sampler.get_2d(dimension::film).y() * static_cast<float>(sensor.height()));
+        const Vec2 film = sampler.get_2d(dimension::film);
+        const Vec2 place(film.x() * static_cast<float>(sensor.width()), film.y() * static_cast<float>(sensor.height()));
         const int x = std::min(static_cast<int>(place.x()), sensor.width() - 1);
         const int y = std::min(static_cast<int>(place.y()), sensor.height() - 1);
         const Vec2 in_pixel(place.x() - static_cast<float>(x), place.y() - static_cast<float>(y));

@@ -8,7 +8,7 @@ namespace gib {
 
 namespace {
 
-constexpr float smallest_step = 1.f / 1024, largest_step = 1.f / 64;
+constexpr float smallest_step = 1.f / 1024, largest_step = 1.f / 64;  // those of Kelemen et al., section 4.2
 
 /// A number moved by a step whose length is distributed as 1 / length between the two limits, up for u >= 1/2 and down
 /// for others, on the circle [0, 1) (section 4.2).

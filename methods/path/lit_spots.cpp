@@ -58,10 +58,9 @@ std::string seldom_found_light(const Scene& scene, const MethodLabel& label) {
     if (!spots || spots->share < noted_share) return "";
     return fmt::format(
         "'{}' hardly ever finds {:.0f} % of the light, and its error does not show it: a {} (light {} of {}) lies "
-        "{:.2g} scene "
-        "diagonals from a surface, and this light leaves from a spot too small for paths from the camera; "
-        "bidirectional, vcm, "
-        "light_tracer and photon_mapper find it",
+        "{:.2g} "
+        "scene diagonals from a surface, and this light leaves from a spot too small for paths from the camera; "
+        "bidirectional, vcm, light_tracer and photon_mapper find it",
         label.text(), 100 * spots->share, kind_of(scene.lights()[spots->light]), spots->light + 1,
         scene.lights().size(), spots->distance / scene.diagonal());
 }

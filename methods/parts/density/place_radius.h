@@ -7,8 +7,7 @@
 // agrees (surface_disc.h), and three have to find some. At a straight edge four do, and the area of the disc is cut there
 // (SurfaceDisc::covered()). On a thin rod two do, along its axis; on a ball all do up to 0.8 of its radius.
 //
-// The radius depends on the place alone, without random numbers, so that all walks that meet there know the same one. The
-// weights of vertex connection and merging need that.
+// The radius depends on the place alone, without random numbers, so that look-ups of all passes shrink from the same one.
 
 #include "methods/parts/density/flat_regions.h"
 #include "methods/parts/transport/ray_queries.h"
