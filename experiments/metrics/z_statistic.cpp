@@ -125,6 +125,17 @@ double systematic(const BlockSums& sums, double rounded) {
     return sums.x.squared_bias() + sums.r.squared_bias() + sqr(rounding * rounded);
 }
 
+/// BlockTest::holds_zero of a difference with the part of its mean square that is no noise.
+bool holds_zero(const BlockSums& sums, double difference, double no_noise, double p) {
+    if (sums.x.groups.size() < 2 || sums.r.groups.size() < 2) return p >= interval_tail;
+    Variance noise;
+    for (const BlockSide* side : {&sums.x, &sums.r})
+        noise.add({side->scatter(), sqr(side->scatter()) / static_cast<double>(side->groups.size() - 1)});
+    const double v = noise.value + no_noise;
+    return difference == 0 ||
+           (v > 0 && student_t_tail(std::abs(difference) / std::sqrt(v), noise.degrees()) >= interval_tail);
+}
+
 BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t channel) {
     BlockTest test;
     test.channel = channel;
@@ -133,11 +144,13 @@ BlockTest tested(const BlockSums& sums, const NoiseOfBlock& noise, std::size_t c
     test.width = sums.box.sizes().x() + 1;
     test.height = sums.box.sizes().y() + 1;
     const double difference = sums.x.sum - sums.r.sum;
-    const double v = noise.variance + systematic(sums, std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
+    const double no_noise = systematic(sums, std::max(std::abs(sums.x.sum), std::abs(sums.r.sum)));
+    const double v = noise.variance + no_noise;
     test.deviation = difference / sums.pixels;
     if (difference == 0) return test;
     test.t = v > 0 ? difference / std::sqrt(v) : std::copysign(HUGE_VAL, difference);
     test.p = student_t_tail(std::abs(test.t), noise.degrees);
+    test.holds_zero = holds_zero(sums, difference, no_noise, test.p);
     return test;
 }
 

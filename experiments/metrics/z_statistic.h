@@ -33,6 +33,9 @@ struct BlockTest {
     double deviation = 0;  ///< mean of the test - mean of the reference [W/(sr m^2)]
     double t = 0;          ///< deviation / its standard error; infinite where that is 0 and the deviation is not
     double p = 1;          ///< P(|T| >= |t|) if the hypothesis is true
+    /// Whether the 95 % interval of the deviation holds 0. If both images have replicates, the interval is that of the scatter of
+    /// their sums, which needs neither the surroundings nor independent pixels: p is too large where these say more noise.
+    bool holds_zero = true;
 };
 
 /// The mean of a channel over the whole image minus the reference's, relative to the mean of the reference's total.

@@ -77,7 +77,7 @@ Json layer_json(const LayerZTest& layer) {
         double smallest = 1, within = 0;
         for (const BlockTest& test : layer.tests[s]) {
             smallest = std::min(smallest, test.p);
-            within += test.p >= interval_tail ? 1 : 0;
+            within += test.holds_zero ? 1 : 0;
         }
         json[std::string(scale_keys[s]) + "_smallest_p"] = smallest;
         // The share of the blocks whose 95 % interval holds no difference.

@@ -24,8 +24,9 @@ namespace gib {
 
 namespace {
 
-/// When each part has to end, as shares of the whole time.
-constexpr double reference_end = 0.25, search_end = 0.6, choice_end = 0.7;
+/// When each part has to end, as shares of the whole time. A reference that does not resolve the target by then goes on; the other
+/// parts then have the same shares of the rest.
+constexpr double reference_end = 0.25, latest_reference_end = 0.5, search_end = 0.6, choice_end = 0.7;
 /// Of what is left then, the final runs of the methods' best settings have this share; defaults and neighbours have the rest.
 constexpr double best_share = 0.7;
 
@@ -80,10 +81,12 @@ public:
         : Tuning(asked_spaces(file), file, scene, options) {}
 
     int run(std::ostream& out) {
-        if (const std::string words = runs_.make_reference(reference_end * seconds()); !words.empty()) {
+        const std::string words = runs_.make_reference(reference_end * seconds(), latest_reference_end * seconds());
+        if (!words.empty()) {
             std::cerr << words << "\n";
             return exit_failed;
         }
+        begin_ = std::max(reference_end, runs_.used() / seconds());
         for (std::size_t m = 0; m < result_.methods.size(); ++m)
             search_method(m);
         choose();
@@ -106,9 +109,11 @@ private:
     }
 
     double seconds() const { return 60 * result_.minutes; }
+    /// When a part has to end [s] that ends after this share of the whole time if the reference takes no more than its part.
+    double end_of(double share) const { return seconds() * (1 - (1 - share) * (1 - begin_) / (1 - reference_end)); }
     /// The longest time of a final run if only the best settings and the defaults of each method have one.
     double horizon() const {
-        return (1 - choice_end) * seconds() / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
+        return (seconds() - end_of(choice_end)) / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
     }
     static double weight(const TunedMethod& method) {
         return 1 + 6.0 * static_cast<double>(method.space.axes().size());
@@ -120,7 +125,7 @@ private:
         const double all =
             std::accumulate(result_.methods.begin() + static_cast<std::ptrdiff_t>(m), result_.methods.end(), 0.0,
                             [](double sum, const TunedMethod& t) { return sum + weight(t); });
-        const double share = std::max(0.0, search_end * seconds() - begin) * weight(method) / all;
+        const double share = std::max(0.0, end_of(search_end) - begin) * weight(method) / all;
         const SearchLimits limits{.seconds = share, .elapsed = [&] { return runs_.used() - begin; }};
         const SearchOutcome found = search(method.space, limits, [&](const auto& settings, double budget) {
             std::vector<TuningRuns::Wanted> wanted;
@@ -149,7 +154,7 @@ private:
         for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
             wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
         double log_cost = 0;
-        for (const TuningRuns::Run& run : runs_.measured(wanted, choice_end * seconds()))
+        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end)))
             log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
         return std::exp(log_cost / choice_seeds);
     }
@@ -265,6 +270,7 @@ private:
     }
 
     double target_;
+    double begin_ = reference_end;  ///< share of the time after which the search begins
     TuningRuns runs_;
     std::map<std::string, Cell> searched_;  ///< the latest run of each label by the seed of the search
     TuningResult result_;

@@ -22,9 +22,10 @@ public:
     TuningRuns(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options,
                const std::vector<MethodLabel>& methods);
 
-    /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. Returns the
-    /// words that say why it does not resolve the target; empty: it does. Throws RunError if it cannot be made.
-    std::string make_reference(double seconds);
+    /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. If it is above half
+    /// of the target then, the reference goes on to `most_seconds` at most. Returns the words that say why it does not resolve the
+    /// target; empty: it does. Throws RunError if it cannot be made.
+    std::string make_reference(double seconds, double most_seconds);
 
     struct Wanted {
         MethodLabel label;

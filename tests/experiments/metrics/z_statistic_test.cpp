@@ -334,5 +334,38 @@ TEST(ZTest, ReplicatesTellNoiseThatPixelsShare) {
     EXPECT_EQ(z_test(truth.test(random, 4), truth.reference(random), truth.image(random, 0)).shared_noise, 1);
 }
 
+// Half of the noise of neighbours has opposite signs, as where samples are spread evenly over pixels. From pixels taken as independent,
+// intervals of blocks would be twice too wide, and those of p are, by the surroundings, wider still.
+TEST(ZTest, NineteenOfTwentyBlocksHoldZeroWhateverPixelsShare) {
+    Random random(5);
+    const Truth truth;
+    const auto layer = [&](int replicates) {
+        std::vector<Image> images;
+        for (int k = 0; k < replicates; ++k) {
+            Image& image = images.emplace_back(truth.image(random, 0.1));
+            const Image shared = truth.image(random, 0.3);
+            for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+                const std::size_t first = i - (i / 3 % 2) * 3;  // the same channel of the left one of two pixels
+                const auto x = static_cast<int>(i / 3 % 64);
+                const double noise = double{shared.rgb[first]} - truth.radiance(x - x % 2, i % 3);
+                image.rgb[i] += static_cast<float>((x % 2 == 0 ? 1 : -1) * noise);
+            }
+        }
+        return layer_of_groups(std::move(images));
+    };
+    int blocks = 0, holding = 0;
+    for (int trial = 0; trial < 20; ++trial) {
+        const ReferenceLayer x = layer(20), r = layer(16);
+        const LayerZTest result = z_test(x, r, r.mean);
+        for (const BlockTest& test : result.tests[0]) {
+            ++blocks;
+            holding += test.holds_zero;
+        }
+    }
+    const auto [lo, hi] = binomial_bounds(blocks, 0.95);
+    EXPECT_GE(holding, lo) << blocks;
+    EXPECT_LE(holding, hi) << blocks;
+}
+
 }  // namespace
 }  // namespace gib::test::z_statistic_test

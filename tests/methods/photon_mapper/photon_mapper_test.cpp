@@ -370,8 +370,7 @@ TEST(PhotonOptions, ImagesAreTheSameForAnyNumberOfThreads) {
             // A pass sees the records that the passes before it added to the cache.
             const std::uint32_t passes = has(label, "cache=on") ? 3 : 1;
             const Image one = render(scene, small, passes, 1, 1).total();
-            for (int threads : {2, 5})
-                ASSERT_EQ(one.rgb, render(scene, small, passes, 1, threads).total().rgb) << label << ' ' << threads;
+            ASSERT_EQ(one.rgb, render(scene, small, passes, 1, 5).total().rgb) << label;
         }
     }
 }
