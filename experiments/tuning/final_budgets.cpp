@@ -19,16 +19,21 @@ std::vector<double> shared_seconds(const std::vector<double>& wanted, double sec
     return shares;
 }
 
-std::vector<double> promising_seconds(const std::vector<double>& wanted, double ample, double seconds, double besides) {
+std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
+                                      double seconds, double besides) {
     constexpr double most_for_one = 0.8;
     const auto even = shared_seconds(wanted, seconds, besides);
     for (std::size_t i = 0; i < even.size(); ++i)
-        if (even[i] >= wanted[i] / ample) return even;
+        if (even[i] >= needed[i]) return even;
+    const auto first = std::min_element(needed.begin(), needed.end());
     const double most = most_for_one * (seconds - besides * static_cast<double>(wanted.size()));
-    if (wanted.empty() || !(most >= wanted[0] / ample)) return even;
-    std::vector<double> shares = {std::min(wanted[0], most)};
-    const auto others = shared_seconds({wanted.begin() + 1, wanted.end()}, seconds - shares[0] - besides, besides);
-    shares.insert(shares.end(), others.begin(), others.end());
+    if (first == needed.end() || !(most >= *first)) return even;
+    const auto promising = first - needed.begin();
+    const double own = std::clamp(wanted[static_cast<std::size_t>(promising)], *first, most);
+    std::vector<double> others = wanted;
+    others.erase(others.begin() + promising);
+    std::vector<double> shares = shared_seconds(others, seconds - own - besides, besides);
+    shares.insert(shares.begin() + promising, own);
     return shares;
 }
 

@@ -148,15 +148,23 @@ private:
                 fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    /// The cost of a setting by the seeds of the choice; infinite unless all of its runs were done.
-    double cost_of(const FinalSetting& candidate) {
+    /// Sets the budget to an ample one, and what is needed, by the seeds of the choice; infinite unless all of its runs were done.
+    void estimate(FinalSetting& candidate) {
         std::vector<TuningRuns::Wanted> wanted;
         for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
             wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
         double log_cost = 0;
-        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end)))
+        std::vector<Cell> cells;
+        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end))) {
             log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
-        return std::exp(log_cost / choice_seeds);
+            if (run.cell) cells.push_back(*run.cell);
+        }
+        candidate.budget = ample * std::exp(log_cost / choice_seeds);
+        candidate.needed = INFINITY;
+        if (cells.size() < choice_seeds) return;
+        const Verdict verdict = verdict_of(cells, target_, result_.methods[candidate.method].is_unbiased);
+        if (verdict.seconds.interval && std::isfinite(verdict.seconds.interval->hi))
+            candidate.needed = verdict.seconds.interval->hi;
     }
 
     /// Chooses the best setting of each method, and the order of the methods, by seeds that the search has not seen. What
@@ -170,12 +178,13 @@ private:
                     candidates.push_back({.method = m,
                                           .setting = trials[i].setting,
                                           .is_best = true,
-                                          .budget = ample * trials[i].time.cost()});
+                                          .budget = ample * trials[i].time.cost(),
+                                          .needed = trials[i].time.seconds});
         }
         const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
         std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
         for (FinalSetting& candidate : candidates)
-            if (candidates.size() > 1) candidate.budget = ample * cost_of(candidate);
+            if (candidates.size() > 1) estimate(candidate);
         std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
         for (const FinalSetting& candidate : candidates)
             if (std::none_of(result_.finals.begin(), result_.finals.end(),
@@ -200,10 +209,12 @@ private:
     /// The budgets of all final runs. Other settings than the best are left out where their runs would not end in time.
     void plan_finals() {
         const double left = std::max(0.0, seconds() - runs_.used()), besides = runs_.besides();
-        std::vector<double> wanted;
-        for (const FinalSetting& f : result_.finals)
+        std::vector<double> wanted, needed;
+        for (const FinalSetting& f : result_.finals) {
             wanted.push_back(f.budget);
-        const auto budgets = promising_seconds(wanted, ample, best_share * left / fewest_seeds, besides);
+            needed.push_back(f.needed);
+        }
+        const auto budgets = promising_seconds(wanted, needed, best_share * left / fewest_seeds, besides);
         double used = 0;
         for (std::size_t i = 0; i < budgets.size(); ++i) {
             result_.finals[i].budget = budgets[i];
