@@ -32,7 +32,7 @@ TEST(SharedSeconds, EndInTime) {
 }
 
 // 30 s even out to 10 s each, less than any of them needs.
-TEST(PromisingSeconds, LetOneReachWhatNoneWouldReach) {
+TEST(PromisingSeconds, LetTwoReachWhatFewerWouldReach) {
     EXPECT_THAT(promising_seconds({40, 60, INFINITY}, {20, 30, INFINITY}, 30, 0), ElementsAre(24, 3, 3));
     EXPECT_THAT(promising_seconds({16, 60, INFINITY}, {8, 30, INFINITY}, 30, 0), ElementsAre(10, 10, 10))
         << "it reaches it";
@@ -41,6 +41,9 @@ TEST(PromisingSeconds, LetOneReachWhatNoneWouldReach) {
     EXPECT_LE(sum(promising_seconds({40, 60, INFINITY}, {20, 30, INFINITY}, 30, 1)) + 3, 30 + 1e-9);
     // The first one seems to need a second, but by a law that may end above the target.
     EXPECT_THAT(promising_seconds({2, 40, INFINITY}, {INFINITY, 20, INFINITY}, 30, 0), ElementsAre(2, 24, 4));
+    EXPECT_THAT(promising_seconds({2, 40, INFINITY}, {1, 20, INFINITY}, 30, 0),
+                ElementsAre(2, testing::DoubleNear(22.4, 1e-9), testing::DoubleNear(5.6, 1e-9)))
+        << "the first one is not trusted alone";
     EXPECT_THAT(promising_seconds({40, 10}, {20, INFINITY}, 10, 0), ElementsAre(5, 5))
         << "no time that is known suffices";
 }
