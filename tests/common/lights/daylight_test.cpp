@@ -78,7 +78,7 @@ double luminance_of(const Colord& radiance) {
     return (Colord(0.212671, 0.715160, 0.072169) * radiance).sum() * luminance_per_radiance;
 }
 
-// Radiance [W/(m^2 sr)] that the authors' own program, release 1.4a, prints: at the zenith, 0.9 degrees above the
+// Radiance [W/(m^2 sr)] to 10 digits from the authors' own program, release 1.4a: at the zenith, 0.9 degrees above the
 // horizon at 90 degrees to the sun, at 0.02 rad from the sun at its height, and at 45 degrees on the other side. The
 // three skies are a clear day, a low sun in haze above bright ground, and the corner of the domain.
 TEST(Daylight, TheSkyHasTheRadianceOfItsAuthorsProgram) {
@@ -117,7 +117,7 @@ TEST(Daylight, TheSkyHasTheRadianceOfItsAuthorsProgram) {
         const ClearSky sky(s.turbidity, Colord::Constant(s.albedo), (90 - s.elevation) * degree);
         for (const Probe& probe : s.probes) {
             const Colord ratio = sky.radiance(probe.cos_theta, probe.gamma) * observer_y_integral / probe.radiance;
-            EXPECT_LE((ratio - 1).abs().maxCoeff(), 1e-8) << s.turbidity << ' ' << probe.gamma;
+            EXPECT_LE((ratio - 1).abs().maxCoeff(), 1e-9) << s.turbidity << ' ' << probe.gamma;
         }
     }
 }
