@@ -20,7 +20,7 @@ install(FILES ${PROJECT_BINARY_DIR}/completion.bash DESTINATION share/bash-compl
 file(READ LICENSE copyright)
 set(licences libcli11-dev libeigen3-dev libboost-dev libkainjow-mustache-dev libtomlplusplus-dev nlohmann-json3-dev libjs-chart.js)
 list(TRANSFORM licences REPLACE "(.+)" "/usr/share/doc/\\1/copyright")
-foreach(licence ${licences} ${GIB_THREE}/LICENSE)
+foreach(licence ${licences} ${GIB_THREE}/LICENSE ${CMAKE_CURRENT_SOURCE_DIR}/common/color/hosek_wilkie.license)
   if(EXISTS ${licence})
     file(READ ${licence} text)
     string(APPEND copyright "\n\nThe program also contains code under the licence ${licence}:\n\n${text}")

@@ -1,31 +1,43 @@
 #include "common/color/daylight.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace gib {
 
 namespace {
 
-/// The cosine to the zenith is limited from below: at 0 exp(B / cos) is 0, as it is here.
-constexpr double least_cosine = 0.01;
+/// The published coefficients: for each channel, for the albedos 0 and 1 and the turbidities 1 to 10, control_values
+/// of all parameters; then as many of the radiance.
+constexpr double coefficients[] = {
+#include "common/color/hosek_wilkie.inc"
+};
+constexpr std::size_t control_values = 6, parameters = 9, turbidities = 10;
+constexpr std::size_t sets_of_channel = 2 * turbidities * control_values;
+static_assert(std::size(coefficients) == 3 * sets_of_channel * (parameters + 1));
 
-/// a T + b for Y, x and y.
-Colord linear(double turbidity, const Colord& a, const Colord& b) { return turbidity * a + b; }
+/// The weights of the control values at the sun's elevation: Bernstein's polynomials of degree 5.
+std::array<double, control_values> bernstein(double sun_theta) {
+    const double x = std::cbrt(std::max(1 - sun_theta / (0.5 * std::numbers::pi), 0.0)), y = 1 - x;
+    return {std::pow(y, 5),         5 * x * std::pow(y, 4), 10 * sqr(x) * std::pow(y, 3), 10 * std::pow(x, 3) * sqr(y),
+            5 * std::pow(x, 4) * y, std::pow(x, 5)};
+}
 
-/// A polynomial of degree 3, highest power first.
-double cubic(double x, double a, double b, double c, double d) { return ((a * x + b) * x + c) * x + d; }
-
-/// Luminance [cd/m^2], x and y at the zenith.
-Colord zenith_values(double t, double s) {
-    const double chi = (4.0 / 9 - t / 120) * (std::numbers::pi - 2 * s);
-    const double kilocandelas = (4.0453 * t - 4.9710) * std::tan(chi) - 0.2155 * t + 2.4192;
-    const double x = sqr(t) * cubic(s, 0.00166, -0.00375, 0.00209, 0) +
-                     t * cubic(s, -0.02903, 0.06377, -0.03202, 0.00394) + cubic(s, 0.11693, -0.21196, 0.06052, 0.25886);
-    const double y = sqr(t) * cubic(s, 0.00275, -0.00610, 0.00317, 0) +
-                     t * cubic(s, -0.04214, 0.08970, -0.04153, 0.00516) + cubic(s, 0.15346, -0.26756, 0.06670, 0.26688);
-    return {1000 * kilocandelas, x, y};
+/// A quantity whose control values stand `stride` apart from `first` on, linear in turbidity and albedo.
+double interpolated(const double* first, std::size_t stride, double turbidity, double albedo,
+                    const std::array<double, control_values>& weights) {
+    const std::size_t below = std::min(static_cast<std::size_t>(turbidity), turbidities - 1);
+    const double above = turbidity - static_cast<double>(below);
+    double sum = 0;
+    for (const std::size_t bright : {0, 1})
+        for (const std::size_t hazy : {0, 1})
+            for (std::size_t i = 0; i < control_values; ++i) {
+                const std::size_t set = (bright * turbidities + below - 1 + hazy) * control_values + i;
+                sum += (bright ? albedo : 1 - albedo) * (hazy ? above : 1 - above) * weights[i] * first[set * stride];
+            }
+    return sum;
 }
 
 // Tables of the sun's spectrum (Preetham et al. 1999, table 2): 380 to 750 nm in steps of 10 nm.
@@ -54,27 +66,24 @@ double optical_mass(double sun_theta) {
 
 }  // namespace
 
-ClearSky::ClearSky(double t, double sun_theta)
-    : a_(linear(t, {0.1787, -0.0193, -0.0167}, {-1.4630, -0.2592, -0.2608})),
-      b_(linear(t, {-0.3554, -0.0665, -0.0950}, {0.4275, 0.0008, 0.0092})),
-      c_(linear(t, {-0.0227, -0.0004, -0.0079}, {5.3251, 0.2125, 0.2102})),
-      d_(linear(t, {0.1206, -0.0641, -0.0441}, {-2.5771, -0.8989, -1.6537})),
-      e_(linear(t, {-0.0670, -0.0033, -0.0109}, {0.3703, 0.0452, 0.0529})),
-      scale_(zenith_values(t, sun_theta) / perez(1, sun_theta)) {}
-
-Colord ClearSky::perez(double cos_theta, double gamma) const {
-    const Colord horizon = 1 + a_ * (b_ / std::max(cos_theta, least_cosine)).exp();
-    return horizon * (1 + c_ * (d_ * gamma).exp() + e_ * sqr(std::cos(gamma)));
-}
-
-Colord ClearSky::luminance_and_chromaticity(double cos_theta, double gamma) const {
-    return scale_ * perez(cos_theta, gamma);
+ClearSky::ClearSky(double turbidity, const Colord& albedo, double sun_theta) {
+    const auto weights = bernstein(sun_theta);
+    for (int channel = 0; channel < 3; ++channel) {
+        const double* first = coefficients + static_cast<std::size_t>(channel) * sets_of_channel * (parameters + 1);
+        for (std::size_t i = 0; i < parameters; ++i)
+            parameters_[i][channel] = interpolated(first + i, parameters, turbidity, albedo[channel], weights);
+        mean_[channel] = interpolated(first + sets_of_channel * parameters, 1, turbidity, albedo[channel], weights) /
+                         observer_y_integral;
+    }
 }
 
 Colord ClearSky::radiance(double cos_theta, double gamma) const {
-    const Colord v = luminance_and_chromaticity(cos_theta, gamma);
-    const double x = v[1], y = v[2];
-    return rgb_of_xyz(v[0] / (luminance_per_radiance * y) * Colord(x, y, 1 - x - y)).max(0.0);
+    const auto& [a, b, c, d, e, f, g, i, h] = parameters_;
+    const double cosine = std::max(cos_theta, 0.0), cos_gamma = std::cos(gamma);
+    const Colord chi = (1 + sqr(cos_gamma)) / (1 + h * h - 2 * cos_gamma * h).pow(1.5);
+    const Colord horizon = 1 + a * (b / (cosine + 0.01)).exp();
+    return (mean_ * horizon * (c + d * (e * gamma).exp() + f * sqr(cos_gamma) + g * chi + i * std::sqrt(cosine)))
+        .max(0.0);
 }
 
 double sun_spectral_radiance(double wavelength, double turbidity, double sun_theta) {

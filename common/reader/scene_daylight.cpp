@@ -12,9 +12,8 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// The angles at which the sky is tabulated: 0.7 degrees apart in azimuth, and 0.5 degrees from the zenith to the
-/// horizon.
-constexpr int columns = 512, rows = 181;
+/// The sky is tabulated every 0.7 degrees in azimuth, and in 180 steps from the zenith to the horizon.
+constexpr int columns = 512, rows_above_horizon = 181;
 
 /// The unit vector at the angle theta to y whose azimuth runs from -z to x, as those of EnvironmentMap: north is -z.
 Vec3d direction_at(double theta, double azimuth) {
@@ -54,16 +53,37 @@ Color checked(const Properties& properties, const Colord& radiance) {
     return radiance.cast<float>();
 }
 
-/// The sky from the zenith to `stretch` times the angle of the horizon.
-Image sky_image(const Properties& properties, double turbidity, const SunAngles& sun, double scale) {
-    const ClearSky sky(turbidity, sun.theta);
+/// How Mitsuba 0.6 shows the sky below its horizon.
+struct BelowHorizon {
+    double stretch;  ///< directions at the angle theta to the zenith show the sky at theta / stretch
+    bool extend;     ///< whether the horizon's radiance goes on below it, and fades to black at the nadir
+};
+
+/// The part of the radiance that is left at the angle theta to the zenith: 3 x^2 - 2 x^3 for x from 1 at the horizon to
+/// 0 at the nadir.
+double fading(double theta) {
+    const double x = std::min(2 - 2 * theta / std::numbers::pi, 1.0);
+    return sqr(x) * (3 - 2 * x);
+}
+
+/// The angle to the zenith up to which there is a sky.
+double reach_of(const BelowHorizon& below) {
+    return below.extend ? std::numbers::pi : below.stretch * 0.5 * std::numbers::pi;
+}
+
+/// The sky from the zenith to reach_of(below).
+Image sky_image(const Properties& properties, const ClearSky& sky, const SunAngles& sun, double scale,
+                const BelowHorizon& below) {
     const Vec3d towards_sun = direction_at(sun.theta, sun.azimuth);
+    const int rows = below.extend ? 2 * rows_above_horizon - 1 : rows_above_horizon;
     Image image(columns, rows);
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
-            const double theta = 0.5 * std::numbers::pi * row / (rows - 1);
+            const double seen_at = reach_of(below) * row / (rows - 1);
+            const double theta = std::min(seen_at / below.stretch, 0.5 * std::numbers::pi);
             const Vec3d w = direction_at(theta, 2 * std::numbers::pi * (column + 0.5) / columns);
-            const Colord radiance = scale * sky.radiance(w.y(), angle_between(w, towards_sun));
+            Colord radiance = scale * sky.radiance(w.y(), angle_between(w, towards_sun));
+            if (below.extend) radiance *= fading(seen_at);
             image.set(static_cast<std::size_t>(row * columns + column), checked(properties, radiance));
         }
     return image;
@@ -100,18 +120,6 @@ ParsedSun sun_of(const Properties& properties, const Vec3& towards, const Colord
     return {{}, DirectionalLight{-towards, checked(properties, radiance * (2 * std::numbers::pi * true_versine)), {}}};
 }
 
-/// Says what differs from Mitsuba. Returns the turbidity that the sky's formula takes.
-double sky_turbidity(Properties& properties, double turbidity) {
-    color_property(properties, "albedo", 0.3f, ColorRange::unit);
-    properties.ids().warn(properties.element().where,
-                          "the sky is that of Preetham, Shirley and Smits 1999; Mitsuba has that of Hosek and Wilkie "
-                          "2012, which depends on the 'albedo' of the ground, too");
-    if (turbidity >= least_turbidity) return turbidity;
-    properties.warn("turbidity", "a 'turbidity' of {:g} is read as {:g}: the formula of the sky does not hold below",
-                    turbidity, least_turbidity);
-    return least_turbidity;
-}
-
 }  // namespace
 
 std::vector<Light> parse_daylight(Properties& properties, const std::string& type, const Frame& axes) {
@@ -120,32 +128,34 @@ std::vector<Light> parse_daylight(Properties& properties, const std::string& typ
     map.s = -axes.t;
     map.t = axes.n;
     map.n = -axes.s;
-    const double turbidity = properties.within("turbidity", 3, 1, largest_turbidity);
+    const double turbidity = properties.within("turbidity", 3, least_turbidity, largest_turbidity);
     const SunAngles sun = parse_sun_angles(properties, map);
-    const double stretch = properties.within("stretch", 1, 1, 2), scale = properties.not_negative("scale", 1);
+    BelowHorizon below{.stretch = properties.within("stretch", 1, 1, 2), .extend = false};
+    const double scale = properties.not_negative("scale", 1);
     const double sky_scale = both ? properties.not_negative("sky_scale", scale) : scale;
     const double sun_scale = both ? properties.not_negative("sun_scale", scale) : scale;
     const double size = has_sun ? parse_sun_size(properties) : 1;
     properties.integer("resolution", 1);  // resolution of Mitsuba's table: without effect
     if (both) properties.boolean("complex_sun", false);
-    const double horizon = 0.5 * std::numbers::pi;
-    const bool is_day = sun.theta <= horizon;
+    const bool is_day = sun.theta <= 0.5 * std::numbers::pi;
     if (!is_day)
         properties.ids().warn(properties.element().where, "the sun is below the horizon, so that all is black");
     Image sky(1, 1);
     if (has_sky) {
-        const double clear = sky_turbidity(properties, turbidity);
-        if (is_day && sky_scale > 0) sky = sky_image(properties, clear, sun, sky_scale);
+        below.extend = properties.boolean("extend", false);
+        const Color albedo = color_property(properties, "albedo", 0.3f, ColorRange::unit);
+        if (is_day && sky_scale > 0)
+            sky = sky_image(properties, ClearSky(turbidity, albedo.cast<double>(), sun.theta), sun, sky_scale, below);
     }
     ParsedSun parsed;
     if (has_sun && is_day && sun_scale > 0)
-        parsed = sun_of(properties, map.to_world(direction_at(stretch * sun.theta, sun.azimuth).cast<float>()),
+        parsed = sun_of(properties, map.to_world(direction_at(below.stretch * sun.theta, sun.azimuth).cast<float>()),
                         sun_scale * sun_radiance(turbidity, sun.theta), size);
     std::vector<Light> lights;
     if (parsed.parallel) lights.push_back(*parsed.parallel);
     if (has_sky || lights.empty())
         lights.push_back(MappedEnvironment{
-            std::make_shared<const EnvironmentMap>(std::move(sky), map, stretch * horizon, parsed.disc), {}});
+            std::make_shared<const EnvironmentMap>(std::move(sky), map, reach_of(below), parsed.disc), {}});
     return lights;
 }
 

@@ -158,6 +158,8 @@ private:
 
     /// Up is y, east is x and north is -z; in version 3 up is z and north is x.
     void upgrade_daylight() {
+        if (!is(e_, "emitter", "sun") && !property(e_, "albedo"))
+            e_.children.push_back(value_element("rgb", "albedo", "0.2", e_.where));
         if (!property(e_, "to_world"))
             e_.children.push_back({.tag = "transform",
                                    .where = e_.where,

@@ -46,7 +46,8 @@ bool has_old_names(const XmlElement& root);
 ///    which is refused;
 ///  - a <blackbody> is a spectrum of this type;
 ///  - up is y for sunsky, sky and sun, whose east is x and north -z (the documentation has north at z, which would make
-///    the sky the mirror image of the real one; Mitsuba 0.6 itself does as here);
+///    the sky the mirror image of the real one; Mitsuba 0.6 itself does as here), and the albedo of their ground is 0.2 unless it
+///    is given (the documentation has 0.15; Mitsuba 0.6 itself does as here);
 ///  - vertexcolors is the attribute vertex_color of a mesh, and the uvscale of a texture is its uscale and vscale, unless these are
 ///    given.
 /// As the files data/schema/upgrade_0.*.xsl of Mitsuba 0.6 say: before 0.5 a bumpmap was called bump. Before 0.4 a sensor was

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <iostream>
@@ -58,6 +59,26 @@ State state_of(const ResultFolder& folder, const std::string& name, const Result
     return work.more_to_come ? waiting : missing;
 }
 
+/// Says which tasks of cells have ended and left nothing: their cells are missing, and there is no log. Only the last job
+/// that was to measure a cell counts.
+std::string tasks_without_a_trace(const JobFolder& folder, std::set<std::string> missing) {
+    std::string text;
+    std::vector<SubmittedJob> jobs = folder.read();
+    std::reverse(jobs.begin(), jobs.end());
+    for (const SubmittedJob& job : jobs) {
+        std::set<std::size_t> silent;
+        for (std::size_t i = 0; i < job.cells.size(); ++i)
+            if (missing.erase(job.cells[i]) > 0 && !fs::exists(folder.log_of_task(job, i % job.shares)))
+                silent.insert(i % job.shares);
+        if (!silent.empty())
+            text += fmt::format(
+                "{} {} of job {} ended without a trace: no cell and no log in {}; `sacct -j {}` may say why, and the "
+                "command that submitted this run submits the cells again\n",
+                silent.size(), silent.size() == 1 ? "task" : "tasks", job.number, folder.path(), job.number);
+    }
+    return text;
+}
+
 }  // namespace
 
 int print_status(const std::string& path, std::ostream& out) {
@@ -67,12 +88,14 @@ int print_status(const std::string& path, std::ostream& out) {
     if (!work.warning.empty()) std::cerr << "warning: " << work.warning << "\n";
     std::array<std::size_t, state_names.size()> counts{};
     std::string list;
+    std::set<std::string> missing_cells;
     for (int seed = 1; seed <= index.seeds; ++seed)
         for (const auto& scene : index.scenes)
             for (const auto& method : index.methods) {
                 const auto name = cell_folder_name(scene.name, method, static_cast<std::uint64_t>(seed));
                 const State state = state_of(folder, name, index, work);
                 ++counts[state];
+                if (state == missing) missing_cells.insert(name);
                 if (state == done || state == waiting) continue;
                 std::string why;
                 if (state == failed) why = ": " + read_file(folder.failure_file(name));
@@ -87,6 +110,7 @@ int print_status(const std::string& path, std::ostream& out) {
     for (std::size_t state = 0; state < counts.size(); ++state)
         out << fmt::format("{}: {}\n", state_names[state], counts[state]);
     out << list;
+    if (work.warning.empty()) out << tasks_without_a_trace(JobFolder(path), std::move(missing_cells));
     return counts[failed] + counts[missing] > 0 ? exit_failed : 0;
 }
 

@@ -110,12 +110,12 @@ TEST_P(EveryMethodUnderTheSky, AMapsIrradianceIsThatOfItsHemisphere) {
     EXPECT_NEAR(floor_radiance(method(), sky, 1024) / (0.5 * E / pi_d), 1, 0.03);
 }
 
-// The floor's irradiance is the integral of Preetham's formula over the sky, times the cosine, and that of the sun's
-// disc. The sun's part is exact at its centre, since its radius of 0.27 degrees changes the mean cosine by 1e-5.
+// The floor's irradiance is the integral of the sky's formula over its directions, times the cosine, and that of the
+// sun's disc. The sun's part is exact at its centre, since its radius of 0.27 degrees changes the mean cosine by 1e-5.
 TEST_P(EveryMethodUnderTheSky, DaylightsIrradianceIsThatOfItsFormula) {
     const Vec3 sun = Vec3(1, 2, 2).normalized();  // the cosine to the zenith is 2 / 3
     const double sun_theta = std::acos(2.0 / 3);
-    const ClearSky sky(3, sun_theta);
+    const ClearSky sky(3, Colord::Constant(0.3f), sun_theta);  // the albedo that a sky has unless it is given
     const double E_sky = sphere_integral(180, 360, 2, [&](const Vec3& w) {
         if (!(w.z() > 0)) return 0.0;
         const double gamma = std::atan2(static_cast<double>(w.cross(sun).norm()), static_cast<double>(w.dot(sun)));

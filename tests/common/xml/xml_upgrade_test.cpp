@@ -178,11 +178,10 @@ std::vector<OldScene> lights() {
                emitter("sunsky", number("turbidity", 4), vector("sunDirection", 1, 1, 2), number("skyScale", 3),
                        number("sunRadiusScale", 2), spectrum("albedo", 0.2), integer("resolution", 256)),
                emitter("sunsky", number("turbidity", 4), vector("sun_direction", 1, 1, 2), number("sky_scale", 3),
-                       number("sun_radius_scale", 2), to_world(z_up)),
-               {"Preetham"}),
-        // North is y there, and x in version 3.
+                       number("sun_radius_scale", 2), rgb("albedo", 0.2), to_world(z_up))),
+        // North is y there, and x in version 3. The ground has the albedo 0.2 there, and 0.3 in version 3.
         lit_by("sky of 0.5 with z upwards", "0.5.0", emitter("sky", number("hour", 10), old_to_world(rotate('x', 90))),
-               emitter("sky", number("hour", 10), to_world(z_up, rotate('x', 90))), {"Preetham"}),
+               emitter("sky", number("hour", 10), rgb("albedo", 0.2), to_world(z_up, rotate('x', 90)))),
         lit_by(
             "blackbody lamp", "0.6.0",
             emitter("point", point("position", 2, 3, 2),

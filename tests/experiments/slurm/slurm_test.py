@@ -182,6 +182,20 @@ class SlurmTest(unittest.TestCase):
         self.assertIn("failed: cornell-box, broken, seed 1: ", said)
         self.assertIn("no licence", said)
 
+    def test_tasks_that_end_without_a_trace_are_told(self):
+        folder = self.workplace("silent", EXPERIMENT)
+        self.submit(folder, "--only", "path")
+        self.wait()
+        self.assertNotIn("without a trace", self.gibench(folder, "status", "out", code=1), "cells that no job has had")
+        self.submit(folder, "--tasks", "8", "--sbatch", "--output=/nowhere/%A")  # Slurm ends a job whose log it cannot open
+        self.wait()
+        said = self.gibench(folder, "status", "out", code=1)
+        self.assertIn("missing: 4\n", said)
+        self.assertRegex(said, r"\n4 tasks of job \d+ ended without a trace: no cell and no log in out/slurm; `sacct")
+        self.submit(folder)
+        self.wait()
+        self.assertNotIn("without a trace", self.gibench(folder, "status", "out"))
+
     def test_a_refused_job_is_an_error(self):
         folder = self.workplace("refused", EXPERIMENT)
         said = self.gibench(folder, "run", "e.toml", "--on", "slurm", "--threads", "1", "--out", "out", "--sbatch",
