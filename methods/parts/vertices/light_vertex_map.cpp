@@ -45,9 +45,15 @@ public:
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
           transmits_(eye.hit && eye.hit->bsdf->traits().transmission) {}
 
-    /// Bounds the radius, which is the largest of all places at first, by that of the vertex, whose n has been told.
-    void bound_radius(const MergeRadii& radii) {
-        if (eye_.hit) radius_ = static_cast<float>(radii.radius_of(std::sqrt(eye_.sums.merging().n2())));
+    /// Bounds the radius, which is the largest of all places at first, by that of the vertex, whose n has been told. Returns
+    /// whether the disc has to be cut where its surface ends: only that of a small body, because the rays cost more than they
+    /// bring at the rims of large surfaces.
+    bool bound_radius(const MergeRadii& radii) {
+        if (!eye_.hit) return true;
+        const double share = radii.radius_of(std::sqrt(eye_.sums.merging().n2())) / radii.on_surfaces;
+        if (share > 0.75) return false;  // it is 1 there, or a half at most
+        radius_ *= static_cast<float>(share);
+        return true;
     }
     /// Whether there is anything to merge within the radius, as far as is known without rays.
     bool finds_any(const KdTree<LightVertex>& vertices) const {
@@ -66,14 +72,13 @@ public:
     }
 
     /// Finds the part of the disc that lies on the surface, or of the ball that is in sight.
-    void look_around(const PlaceRadius& by_place, RayQueries& rays, NumberStream& u) {
+    void look_around(RayQueries& rays, NumberStream& u) {
         const float narrow = narrow_radius * radius_;
         if (!eye_.hit) {
             share_ = 1.f / reciprocal_share_in_sight(kernel_, rays, eye_.p, radius_, u);
             narrow_share_ = 1.f / reciprocal_share_in_sight(kernel_, rays, eye_.p, narrow, u);
             return;
         }
-        if (by_place.is_flat_within(*eye_.hit, radius_)) return;
         const float first = u.next();
         disc_.emplace(*eye_.hit, normal_, Vec2(first, u.next()));
         disc_->find_layers(rays, max_elevation_slope * radius_);
@@ -199,9 +204,10 @@ void LightVertexMap::merge(PathVertex& eye, const PathRules& rules, Kernel kerne
     Merge merge(eye, rules, kernel, power_of_path_, sample);
     if (!merge.finds_any(vertices_)) return;
     tell_n(rules.merging, rays, eye);
-    merge.bound_radius(rules.merging);
-    if (!merge.finds_any(vertices_)) return;
-    merge.look_around(rules.merging.by_place, rays, u);
+    if (merge.bound_radius(rules.merging)) {
+        if (!merge.finds_any(vertices_)) return;
+        merge.look_around(rays, u);
+    }
     vertices_.within(eye.p, merge.radius(),
                      [&](const LightVertex& light, float distance2) { merge.add(light, distance2); });
 }

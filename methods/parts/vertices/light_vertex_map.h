@@ -46,8 +46,9 @@ public:
     /// Adds the light of all vertices around `eye`, weighed, and the estimate of its bias, to the sample. Paths have at
     /// most as many edges as the rules allow. With N light paths of power P, which have been scattered to the vertex from the
     /// direction w_i, radiance is the sum of f(w_i) |cos_s| / |cos_g| P K(d) / (phi N), with the cosines of the shading and the
-    /// geometric normal, and the share phi of the kernel's disc that lies on the surface (density_estimate.h). In a medium
-    /// the phase function stands for f and the cosines, and phi is the share of the ball in sight.
+    /// geometric normal, and the share phi of the kernel's disc that lies on the surface (density_estimate.h), which is taken
+    /// to be 1 where the radius of the place is the largest. In a medium the phase function stands for f and the cosines, and
+    /// phi is the share of the ball in sight.
     void merge(PathVertex& eye, const PathRules& rules, Kernel kernel, RayQueries& rays, NumberStream& u,
                BiasedSample& sample) const;
 

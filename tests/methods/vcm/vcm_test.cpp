@@ -117,7 +117,7 @@ TEST(VcmRadius, IsNoLargerThanWhatItLooksAt) {
         for (const char* method : {"vcm max_depth=7", "progressive_photon_mapper max_depth=7"}) {
             SeedMeans found = seed_means(scene, method, 16);
             Moments expected, error, unknown, stated;
-            for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+            for (std::uint64_t seed = 1; seed <= 16; ++seed) {
                 const auto [mean, bias] = sums_of(found[seed]).at({Component::caustic, 0});
                 const double exact = sums_of(truth[seed]).at({Component::caustic, 0}).mean;
                 expected.add(exact);
