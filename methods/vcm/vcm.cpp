@@ -9,12 +9,13 @@
 // Elsewhere connections do as well without a bias, and nothing is merged.
 // Parameters: techniques = all (default) | path_tracing | light_tracing | bidirectional | photon_mapping | remainder;
 // sampler = sobol (default) | independent; alpha; first_pass; radius and volume_radius [of the first pass, fractions of the
-// scene's diagonal, or auto]; kernel; spp and max_depth as for all methods. photon_mapping is light sampling, paths that find
-// lights, and merging at every vertex; remainder is the part of the image that merging alone can make.
+// scene's diagonal, or auto, which is smaller on small bodies]; kernel; spp and max_depth as for all methods.
+// photon_mapping is light sampling, paths that find lights, and merging at every vertex; remainder is the part of the image
+// that merging alone can make.
 // Bias: of merging only; it falls with the passes, without a floor. The image carries an estimate of it, from the same
 // vertices within a smaller radius (parts/density/density_estimate.h).
-// A pass: as many light paths as pixels, whose vertices are kept, and then one path from the camera and one from a light
-// for every pixel.
+// A pass: as many light paths as pixels, but 1024 at least unless the radius is given, whose vertices are kept, and then one
+// path from the camera and one from a light for every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/scene/scene.h"
 #include "methods/parts/density/progressive_parameters.h"

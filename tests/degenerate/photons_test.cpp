@@ -195,10 +195,9 @@ const LoadedScene& empty_space() {
 
 Color scattered(const VolumeEstimator& e, const PhotonMap& map, const Vec3& p) {
     RayQueries rays(*empty_space().scene);
-    return e
-        .scattered_radiance(map, rays, p, PhaseFunction{}, Vec3::UnitX(), EyePath{100},
-                            Sampler(PointSet::independent, 1, 0, 0), 0)
-        .radiance;
+    const Sampler sampler(PointSet::independent, 1, 0, 0);
+    NumberStream u(sampler);
+    return e.scattered_radiance(map, rays, p, PhaseFunction{}, Vec3::UnitX(), EyePath{100}, u).radiance;
 }
 
 // The cases in a medium whose isotropic phase function is 1 / (4 pi).

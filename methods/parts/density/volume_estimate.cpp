@@ -68,7 +68,7 @@ float ball_kernel_radius(Kernel kernel, float u) {
 
 Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
                                               const PhaseFunction& phase, const Vec3& wo, const EyePath& eye,
-                                              const Sampler& sampler, std::uint32_t dimension) const {
+                                              NumberStream& u) const {
     if (!(max_radius > 0.f)) return {};
     const auto scattered = [&](const Photon& photon, float distance2, float r) -> Colord {
         const double scale =
@@ -105,19 +105,19 @@ Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& 
     Scattered light{sum.cast<float>(), estimates_bias ? Color(narrow.cast<float>()) : Color::Zero()};
     if (is_black(light.radiance)) return light;
     if (area == DiscArea::surface) {
-        light.radiance *= reciprocal_share_in_sight(rays, p, r, sampler, dimension);
-        if (!is_black(light.bias)) light.bias *= reciprocal_share_in_sight(rays, p, narrow_r, sampler, dimension);
+        light.radiance *= reciprocal_share_in_sight(kernel, rays, p, r, u);
+        if (!is_black(light.bias)) light.bias *= reciprocal_share_in_sight(kernel, rays, p, narrow_r, u);
     }
     if (estimates_bias) light.bias = bias_of_difference * (light.radiance - light.bias);
     return light;
 }
 
-float VolumeEstimator::reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
-                                                 std::uint32_t dimension) const {
+float reciprocal_share_in_sight(Kernel kernel, RayQueries& rays, const Vec3& p, float r, NumberStream& u) {
     int in_sight = 0, probes = 0;
-    for (; in_sight < probes_in_sight && probes < most_probes; ++probes, dimension += 2) {
-        const Vec3 w = square_to_sphere(sampler.get_2d(dimension));
-        const float distance = r * ball_kernel_radius(kernel, sampler.get_1d(dimension + 1));
+    for (; in_sight < probes_in_sight && probes < most_probes; ++probes) {
+        const float first = u.next();
+        const Vec3 w = square_to_sphere({first, u.next()});
+        const float distance = r * ball_kernel_radius(kernel, u.next());
         if (!rays.intersect({.o = p, .d = w, .t_max = distance})) ++in_sight;
     }
     return static_cast<float>(probes) / static_cast<float>(std::max(in_sight, 1));

@@ -29,6 +29,12 @@ double ball_kernel_weight(Kernel kernel, float d2, float r);
 /// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
 float ball_kernel_radius(Kernel kernel, float u);
 
+/// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no surface
+/// hides from p. Independent points of the ball are probed until m of them are visible, and the estimate is the number
+/// of probes over m. That number is a negative binomial variable of mean m / phi; the reciprocal of a share found by n
+/// probes would be too large by (1 - phi) / (n phi), which is 12 % where half of the ball is hidden and n = 8.
+float reciprocal_share_in_sight(Kernel kernel, RayQueries& rays, const Vec3& p, float r, NumberStream& u);
+
 /// Radiance scattered per unit of the scattering coefficient [W/(sr m^2)].
 struct Scattered {
     Color radiance = Color::Zero();
@@ -54,16 +60,7 @@ struct VolumeEstimator {
     /// The light scattered at p towards wo, estimated from the photons around p. `phase` is the phase function of the
     /// medium at p.
     Scattered scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p, const PhaseFunction& phase,
-                                 const Vec3& wo, const EyePath& eye, const Sampler& sampler,
-                                 std::uint32_t dimension) const;
-
-    /// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no
-    /// surface hides from p. Independent points of the ball are probed until m of them are visible, and the estimate
-    /// is the number of probes over m. That number is a negative binomial variable of mean m / phi; the reciprocal of
-    /// a share found by n probes would be too large by (1 - phi) / (n phi), which is 12 % where half of the ball is
-    /// hidden and n = 8. Uses the dimensions from `dimension` on, all of which must be independent.
-    float reciprocal_share_in_sight(RayQueries& rays, const Vec3& p, float r, const Sampler& sampler,
-                                    std::uint32_t dimension) const;
+                                 const Vec3& wo, const EyePath& eye, NumberStream& u) const;
 };
 
 }  // namespace gib

@@ -11,8 +11,6 @@ namespace {
 /// a path of 2^16 vertices.
 constexpr std::uint32_t caustic_disc = dimension::at_vertex(1 << 16, 0);
 constexpr std::uint32_t global_disc = caustic_disc + 1;
-/// The first of the dimensions that probe the ball of a look-up in a medium, which takes as many of them as it needs.
-constexpr std::uint32_t volume_ball = 0x60000000;
 
 /// The tag of the split that gives eye paths for direct light numbers of their own.
 constexpr std::uint64_t direct_tag = 0xd17ec7;
@@ -51,7 +49,7 @@ public:
             const Medium& medium = *walk.at.medium;
             const Scattered found = maps_.volume_estimator.within(medium.mean_free_path_at(p))
                                         .scattered_radiance(maps_.volume, walk.rays, p, medium.phase(), vertex.wo,
-                                                            eye_path(vertex), walk.sampler, volume_ball);
+                                                            eye_path(vertex), walk.flights);
             radiance += found.radiance;
             sample_.bias[Component::volume] += vertex.throughput() * found.bias;
         }

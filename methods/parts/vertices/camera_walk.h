@@ -54,9 +54,12 @@ private:
     bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
         if (is_last()) return false;
         PathState& path = walk_.at;
-        arrive(p, 1, rules_.merging.at(*path.medium, p), false);
+        const double n = rules_.merging.n_at(*path.medium, p);
+        arrive(p, 1, n, false);
         if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
-        if (!goes_on_after(visit_, PathVertex(walk_, p, path.path_class, sums_), u, walk_.flights)) return false;
+        PathVertex vertex(walk_, p, path.path_class, sums_);
+        if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
+        last_n_ = n;
         path.path_class.in_medium = true;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
         if (!survives(most_survival(path.vertex), u)) return false;
@@ -73,7 +76,9 @@ private:
         }
         const TechniqueSums before = sums_;
         const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
-        arrive(hit->p, cosine, rules_.merging.on_surfaces, rules_.merging.any() && focuses(*hit, walk_.wo()));
+        arrive(hit->p, cosine,
+               rules_.used.merges == Merges::everywhere ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0,
+               rules_.merging.any() && focuses(*hit, walk_.wo()));
         find_emitter(*hit, cosine);
         if (walk_.passes_through(*hit)) {
             sums_ = before;
@@ -83,14 +88,21 @@ private:
 
         PathState& path = walk_.at;
         walk_.disperse(*hit, dimension::stratum);
-        const PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
+        if (sums_.merging().focuses()) sums_.settle(n_of_last());
+        PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
         if (vertex.can_be_joined()) {
             if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
             if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
         if (!next) return false;
-        step(sums_, vertex, *next, Transport::power);
+        step(sums_, vertex, *next, Transport::power, next->delta ? n_of_last() : 0);
+        if (sums_.merging().is_pending()) {
+            last_hit_ = vertex.hit;
+            last_from_ = vertex.from;
+            if (vertex.sums.merging().n2() > 0) last_n_ = std::sqrt(vertex.sums.merging().n2());
+            else last_n_.reset();
+        }
         if (!survives(next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u)) return false;
         walk_.go_on(*vertex.hit, next->wi);
         return true;
@@ -101,6 +113,12 @@ private:
         const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
         sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
                      path.vertex == 0 || rules_.used.connections, n, focuses);
+    }
+    /// n of the vertex before, if merging there is pending.
+    double n_of_last() {
+        if (!sums_.merging().is_pending()) return 0;
+        if (!last_n_) last_n_ = rules_.merging.n_at(walk_.rays, *last_hit_, last_from_);
+        return *last_n_;
     }
 
     /// Light that the camera sees itself is found even if no other is.
@@ -146,6 +164,10 @@ private:
     Visit visit_;
     PathWalk walk_;
     TechniqueSums sums_;
+    // The last vertex where merging is pending, on a surface if its n is not known yet.
+    std::optional<SurfaceHit> last_hit_;
+    Vec3 last_from_ = Vec3::Zero();
+    std::optional<double> last_n_;
 };
 
 }  // namespace gib

@@ -115,16 +115,16 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
             path.light[light.path_class.component()] = light.radiance;
             add(0, light.edges + 1, path);
         },
-        [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-            if (pass_.merged) pass_.merged->merge(vertex, rules, sample);
+        [&](PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+            if (pass_.merged) pass_.merged->merge(vertex, rules, rays, flights, sample);
             if (used_.only_merging()) return;
             if (used_.light_sampling && vertex.edges + 1 >= rules.min_edges)
                 add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));
             for (const PathVertex& from_light : light_vertices_) {
                 const int edges = vertex.edges + 1 + from_light.edges;
-                if (edges >= rules.min_edges && edges <= rules.max_edges)
-                    add(from_light.edges + 1, vertex.edges + 1,
-                        connect(rays, vertex, from_light, pass_.paths, flights));
+                if (edges < rules.min_edges || edges > rules.max_edges) continue;
+                if (from_light.sums.merging().focuses()) tell_n(rules.merging, rays, vertex);
+                add(from_light.edges + 1, vertex.edges + 1, connect(rays, vertex, from_light, pass_.paths, flights));
             }
         })
         .follow();

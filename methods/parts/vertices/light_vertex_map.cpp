@@ -34,20 +34,61 @@ Color merged_power(const PathVertex& vertex) {
 /// One merge: sums the light of a vertex's neighbours.
 class Merge {
 public:
-    Merge(const PathVertex& eye, const MergeRadii& radii, double power, int max_edges, BiasedSample& sample)
+    Merge(const PathVertex& eye, const PathRules& rules, Kernel kernel, double power, BiasedSample& sample)
         : eye_(eye),
-          radii_(radii),
+          kernel_(kernel),
+          radius_(
+              static_cast<float>(eye.hit ? rules.merging.on_surfaces : rules.merging.radius_at(*eye.medium, eye.p))),
           power_(power),
-          path_{max_edges - eye.edges, eye.stratum},
+          path_{rules.max_edges - eye.edges, eye.stratum},
           sample_(sample),
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
           transmits_(eye.hit && eye.hit->bsdf->traits().transmission) {}
 
-    float radius() const { return eye_.hit ? radii_.on_surfaces : radii_.in_media; }
+    /// Bounds the radius, which is the largest of all places at first, by that of the vertex, whose n has been told. Returns
+    /// whether the disc has to be cut where its surface ends: only that of a small body, because the rays cost more than they
+    /// bring at the rims of large surfaces.
+    bool bound_radius(const MergeRadii& radii) {
+        if (!eye_.hit) return true;
+        const double share = radii.radius_of(std::sqrt(eye_.sums.merging().n2())) / radii.on_surfaces;
+        if (share > 0.75) return false;  // it is 1 there, or a half at most
+        radius_ *= static_cast<float>(share);
+        return true;
+    }
+    /// Whether there is anything to merge within the radius, as far as is known without rays.
+    bool finds_any(const KdTree<LightVertex>& vertices) const {
+        if (!(radius_ > 0.f)) return false;
+        bool any = false;
+        vertices.within(eye_.p, radius_,
+                        [&](const LightVertex& light, float distance2) { any |= accepts(light, distance2); });
+        return any;
+    }
+    float radius() const { return radius_; }
+
+    /// Whether the vertex may be merged, as far as is known without rays.
+    bool accepts(const LightVertex& light, float distance2) const {
+        return light.on_surface == eye_.hit.has_value() && path_.accepts(light) &&
+               (!eye_.hit || lies_on_surface(light, distance2));
+    }
+
+    /// Finds the part of the disc that lies on the surface, or of the ball that is in sight.
+    void look_around(RayQueries& rays, NumberStream& u) {
+        const float narrow = narrow_radius * radius_;
+        if (!eye_.hit) {
+            share_ = 1.f / reciprocal_share_in_sight(kernel_, rays, eye_.p, radius_, u);
+            narrow_share_ = 1.f / reciprocal_share_in_sight(kernel_, rays, eye_.p, narrow, u);
+            return;
+        }
+        const float first = u.next();
+        disc_.emplace(*eye_.hit, normal_, Vec2(first, u.next()));
+        disc_->find_layers(rays, max_elevation_slope * radius_);
+        disc_->find_obstacles(rays, radius_, radius_);
+        share_ = disc_->share(kernel_, radius_) * disc_->covered(rays, kernel_, radius_);
+        narrow_share_ = disc_->share(kernel_, narrow) * disc_->covered(rays, kernel_, narrow);
+    }
 
     void add(const LightVertex& light, float distance2) {
-        if (light.on_surface != eye_.hit.has_value() || !path_.accepts(light)) return;
-        if (eye_.hit && !lies_on_surface(light, distance2)) return;
+        if (!accepts(light, distance2) || (disc_ && !disc_->contains(light.p - eye_.p))) return;
         const Vec3 w = light.direction();
         Vec3 w_local;
         LobeValues f;
@@ -67,7 +108,8 @@ public:
             f = {.diffuse = Color::Constant(phase)};
             pdf = {double{phase}, double{phase}};
         }
-        add_weighted(light, f, kernel(distance2, radius()), narrow_kernel(distance2), weight(light, pdf));
+        add_weighted(light, f, kernel(distance2, radius_) / double{share_}, narrow_kernel(distance2),
+                     weight(light, pdf));
     }
 
 private:
@@ -78,11 +120,11 @@ private:
                sqr((light.p - eye_.p).dot(normal_)) <= sqr(max_elevation_slope) * distance2;
     }
     double kernel(float distance2, float r) const {
-        return eye_.hit ? kernel_weight(radii_.kernel, distance2, r) : ball_kernel_weight(radii_.kernel, distance2, r);
+        return eye_.hit ? kernel_weight(kernel_, distance2, r) : ball_kernel_weight(kernel_, distance2, r);
     }
     double narrow_kernel(float distance2) const {
-        const float r = narrow_radius * radius();
-        return distance2 < sqr(r) ? kernel(distance2, r) : 0;
+        const float r = narrow_radius * radius_;
+        return distance2 < sqr(r) ? kernel(distance2, r) / double{narrow_share_} : 0;
     }
     double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
         const double others = eye_.sums.besides_merging(pdf.to_camera) +         // (39) times n^2
@@ -104,12 +146,15 @@ private:
     }
 
     const PathVertex& eye_;
-    const MergeRadii& radii_;
+    Kernel kernel_;
+    float radius_;
     double power_;
     EyePath path_;
     BiasedSample& sample_;
     Vec3 normal_;
     bool transmits_;
+    std::optional<SurfaceDisc> disc_ = {};    ///< empty where nothing ends or hides the disc
+    float share_ = 1.f, narrow_share_ = 1.f;  ///< phi of the radius and of the narrow one
 };
 
 }  // namespace
@@ -128,35 +173,41 @@ LightVertex::LightVertex(const PathVertex& vertex)
 
 LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
                                std::uint64_t& rays)
-    : power_of_path_(paths.power / paths.count) {
+    : power_of_path_(paths.power / rules.merging.light_paths) {
     PathRules limited = rules;
     limited.max_edges = std::min(rules.max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, merged_walks);
-    auto blocks =
-        blocks_within_memory(static_cast<std::size_t>(paths.count), walks_per_block, &Block::vertices, bytes_per_vertex,
-                             "the light paths of a pass", [&](Block& block, std::size_t begin, std::size_t end) {
-                                 RayQueries queries(scene);
-                                 for (std::size_t i = begin; i < end; ++i) {
-                                     const Sampler sampler(PointSet::independent, key, i, 0);
-                                     const auto start = paths.emission.sample(sampler);
-                                     if (!start) continue;
-                                     LightWalk(queries, sampler, paths, limited, *start,
-                                               [&](const PathVertex& vertex, const VertexNumbers&, NumberStream&) {
-                                                   if (vertex.sums.merging().applies(false))
-                                                       block.vertices.emplace_back(vertex);
-                                               })
-                                         .follow();
-                                 }
-                                 block.rays = queries.count();
-                             });
+    auto blocks = blocks_within_memory(
+        static_cast<std::size_t>(rules.merging.light_paths), walks_per_block, &Block::vertices, bytes_per_vertex,
+        "the light paths of a pass", [&](Block& block, std::size_t begin, std::size_t end) {
+            RayQueries queries(scene);
+            for (std::size_t i = begin; i < end; ++i) {
+                const Sampler sampler(PointSet::independent, key, i, 0);
+                const auto start = paths.emission.sample(sampler);
+                if (!start) continue;
+                LightWalk(queries, sampler, paths, limited, *start,
+                          [&](const PathVertex& vertex, const VertexNumbers&, NumberStream&) {
+                              if (vertex.sums.merging().applies(false)) block.vertices.emplace_back(vertex);
+                          })
+                    .follow();
+            }
+            block.rays = queries.count();
+        });
     for (const Block& block : blocks)
         rays += block.rays;
     vertices_ = KdTree<LightVertex>(joined(blocks, &Block::vertices));
 }
 
-void LightVertexMap::merge(const PathVertex& eye, const MergeRadii& radii, int max_edges, BiasedSample& sample) const {
-    Merge merge(eye, radii, power_of_path_, max_edges, sample);
-    if (vertices_.size() == 0 || !(merge.radius() > 0.f) || !(eye.sums.merging().n2() > 0)) return;
+void LightVertexMap::merge(PathVertex& eye, const PathRules& rules, Kernel kernel, RayQueries& rays, NumberStream& u,
+                           BiasedSample& sample) const {
+    if (vertices_.size() == 0) return;
+    Merge merge(eye, rules, kernel, power_of_path_, sample);
+    if (!merge.finds_any(vertices_)) return;
+    tell_n(rules.merging, rays, eye);
+    if (merge.bound_radius(rules.merging)) {
+        if (!merge.finds_any(vertices_)) return;
+        merge.look_around(rays, u);
+    }
     vertices_.within(eye.p, merge.radius(),
                      [&](const LightVertex& light, float distance2) { merge.add(light, distance2); });
 }

@@ -32,28 +32,25 @@ struct LightVertex : LightVertexData {
 
 extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
 
-/// The radii within which vertices are merged in a pass [scene units].
-struct MergeRadii {
-    Kernel kernel;
-    float on_surfaces = 0.f, in_media = 0.f;
-};
-
 /// The vertices of the light walks of one pass.
 class LightVertexMap {
 public:
     LightVertexMap() = default;
-    /// Follows as many light paths as a pass has pixels; adds the rays traced to `rays`. The result is the same for any
-    /// number of threads. Throws InputError if the vertices would need more memory than there is.
+    /// Follows the light paths of a pass, as many as `rules.merging` says; adds the rays traced to `rays`. The result is the
+    /// same for any number of threads. Throws InputError if the vertices would need more memory than there is.
     LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
                    std::uint64_t& rays);
 
     const KdTree<LightVertex>& vertices() const { return vertices_; }
 
     /// Adds the light of all vertices around `eye`, weighed, and the estimate of its bias, to the sample. Paths have at
-    /// most `max_edges` edges. With N light paths of power P, which have been scattered to the vertex from the direction
-    /// w_i, radiance is the sum of f(w_i) |cos_s| / |cos_g| P K(d) / N, with the cosines of the shading and the geometric
-    /// normal. In a medium the phase function stands for f and the cosines.
-    void merge(const PathVertex& eye, const MergeRadii& radii, int max_edges, BiasedSample& sample) const;
+    /// most as many edges as the rules allow. With N light paths of power P, which have been scattered to the vertex from the
+    /// direction w_i, radiance is the sum of f(w_i) |cos_s| / |cos_g| P K(d) / (phi N), with the cosines of the shading and the
+    /// geometric normal, and the share phi of the kernel's disc that lies on the surface (density_estimate.h), which is taken
+    /// to be 1 where the radius of the place is the largest. In a medium the phase function stands for f and the cosines, and
+    /// phi is the share of the ball in sight.
+    void merge(PathVertex& eye, const PathRules& rules, Kernel kernel, RayQueries& rays, NumberStream& u,
+               BiasedSample& sample) const;
 
 private:
     KdTree<LightVertex> vertices_;

@@ -49,9 +49,10 @@ private:
     /// goes on.
     bool scatters_in_medium(const Vec3& p, float before, const VertexNumbers& u) {
         PathState& path = walk_.at;
-        arrive(p, 1, rules_.merging.at(*path.medium, p), false);
+        arrive(p, 1, rules_.merging.n_at(*path.medium, p), false);
         if (is_made_without_merging()) return false;
-        if (!goes_on_after(visit_, PathVertex(walk_, p, path_class_, sums_), u, walk_.flights)) return false;
+        PathVertex vertex(walk_, p, path_class_, sums_);
+        if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -66,10 +67,11 @@ private:
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
         PathState& path = walk_.at;
-        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, rules_.merging.on_surfaces,
+        const double n = sums_.merging().applies(false) ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0;
+        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, n,
                rules_.merging.any() && focuses(*hit, walk_.wo()));
         walk_.disperse(*hit, dimension::photon_stratum);
-        const PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
+        PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
             if (is_made_without_merging()) return false;
             if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;

@@ -13,26 +13,27 @@ MergedVertices::MergedVertices(const Scene& scene, const LightPaths& paths, cons
       follows_specular_(follows_specular),
       seed_(seed),
       first_radius_(settings.radius * double{scene.diagonal()}),
-      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}) {}
+      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}),
+      flat_regions_(scene, FlatRegions::resolution_for(static_cast<std::uint64_t>(paths.count))) {}
 
 void MergedVertices::start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays) {
     const std::uint64_t key = combine_keys(seed_, pass);
+    const bool is_given = settings_.radius > 0;
+    const double count = is_given ? paths_.count : std::max(paths_.count, fewest_merged_paths);
+    rules.merging = {count, 1, 1};
     if (pass == 0 && !(first_radius_ > 0 && first_radius_in_media_ > 0)) find_first_radii(rules, key, rays);
     const std::uint64_t passes_before = settings_.first_pass + pass;
     const double r = first_radius_ * shrinking_.on_surfaces(passes_before);
     const double in_media = first_radius_in_media_ * shrinking_.in_media(passes_before);
-    radii_ = {settings_.kernel, static_cast<float>(r), static_cast<float>(in_media)};
-    rules.merging = {paths_.count * std::numbers::pi * sqr(r),  // (20)
-                     paths_.count * 4 / 3 * std::numbers::pi * sqr(in_media) * in_media};
+    rules.merging = {count, r, in_media, {is_given ? 0.f : static_cast<float>(first_radius_), &flat_regions_}};
     map_ = LightVertexMap();  // gives its memory back
     map_ = LightVertexMap(scene_, paths_, rules, key, rays);
-    light_paths_ += static_cast<std::uint64_t>(paths_.count);
+    light_paths_ += static_cast<std::uint64_t>(count);
 }
 
 /// Finds the radii that are not given from the paths of a pilot.
 void MergedVertices::find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays) {
-    rules.merging = {1, 1};
-    const std::uint64_t passes = pilot_passes(paths_.count);
+    const std::uint64_t passes = pilot_passes(rules.merging.light_paths);
     std::vector<Photon> on_surfaces, in_media;
     for (std::uint64_t pass = 0; pass < passes; ++pass) {
         const LightVertexMap map(scene_, paths_, rules, combine_keys(seed, pass), rays);

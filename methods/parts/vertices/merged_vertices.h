@@ -7,6 +7,9 @@
 
 namespace gib {
 
+/// Light paths in a pass at least, however few pixels there are, unless the radius is given: a small body has to be found in
+/// the first passes, and the density of merging has to exceed that of connections there.
+inline constexpr double fewest_merged_paths = 1024;
 /// Vertices that are merged with one in the mean, if the radius of the first pass is found from its paths.
 inline constexpr double most_merged = 2.5;
 
@@ -31,8 +34,8 @@ public:
     void start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays);
 
     /// Adds the light that the vertex of a camera's walk takes from the vertices around it.
-    void merge(const PathVertex& eye, const PathRules& rules, BiasedSample& sample) const {
-        map_.merge(eye, radii_, rules.max_edges, sample);
+    void merge(PathVertex& eye, const PathRules& rules, RayQueries& rays, NumberStream& u, BiasedSample& sample) const {
+        map_.merge(eye, rules, settings_.kernel, rays, u, sample);
     }
 
     std::uint64_t light_paths() const { return light_paths_; }  ///< followed in the passes so far
@@ -49,7 +52,7 @@ private:
     bool follows_specular_;
     std::uint64_t seed_;
     double first_radius_, first_radius_in_media_;  ///< [scene units]; 0: not found yet
-    MergeRadii radii_ = {};
+    FlatRegions flat_regions_;
     LightVertexMap map_;
     std::uint64_t light_paths_ = 0;
 };

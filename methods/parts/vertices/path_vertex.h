@@ -131,9 +131,14 @@ inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
     return hit.delta_only || !hit.bsdf->traits_at(hit.shading.to_local(wo).z()).diffuse;
 }
 
+/// Works out n of merging at a vertex on a surface, if it has not been told yet.
+inline void tell_n(const MergeRadii& radii, RayQueries& rays, PathVertex& at) {
+    if (at.hit && !(at.sums.merging().n2() > 0)) at.sums.merging().set_n(radii.n_at(rays, *at.hit, at.from));
+}
+
 /// Visits a vertex of a walk. Returns whether the walk goes on, which a visitor without an answer leaves to the walk.
 template <typename Visit>
-bool goes_on_after(Visit& visit, const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+bool goes_on_after(Visit& visit, PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
     if constexpr (std::is_void_v<decltype(visit(vertex, u, flights))>) {
         visit(vertex, u, flights);
         return true;
@@ -150,12 +155,13 @@ inline Vec3 scatter_in_medium(PathWalk& walk, TechniqueSums& sums, const VertexN
 }
 
 /// Takes the sums past a surface at which the walk has been scattered in direction `next`; `other` is what the other
-/// walk carries.
-inline void step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other) {
+/// walk carries, `pending_n` as in MergeRule::settle().
+inline void step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other,
+                 double pending_n = 0) {
     if (!sums.has_others()) return;
     const SurfaceHit& hit = *at.hit;
     const double cosine = std::abs(double{next.wi.dot(hit.ng)});
-    if (next.delta) return sums.scatter_specularly(cosine);
+    if (next.delta) return sums.scatter_specularly(cosine, pending_n);
     const Vec3 to_local = hit.shading.to_local(next.wi);
     sums.scatter(double{next.pdf_w}, double{hit.bsdf->pdf_w_local(to_local, at.from_local, Lobes::all, other)}, cosine);
 }

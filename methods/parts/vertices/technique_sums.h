@@ -48,7 +48,7 @@ struct Techniques {
 struct PathRules {
     int max_edges;  ///< edges of the longest path
     Techniques used = {};
-    MergeDensities merging = {};
+    MergeRadii merging = {};
     int min_edges = 1;  ///< edges of the shortest path that counts
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
@@ -80,6 +80,7 @@ public:
     /// Whether there is any technique but the connection of a light's walk to the camera; if not, its weight is 1.
     bool has_others() const { return has_others_; }
     const MergeRule& merging() const { return merging_; }
+    MergeRule& merging() { return merging_; }
 
     /// The walk has reached its next vertex: converts densities per solid angle into densities per area there, which
     /// completes equations 31 to 36. `distance2` is 1 for an edge whose rays are parallel, `cosine` is 1 in a medium.
@@ -88,9 +89,11 @@ public:
     void arrive(double distance2, double cosine, bool connects, double n, bool focuses) {
         d_vcm_ *= squared(distance2 / cosine);
         d_vc_ /= squared(cosine);
-        d_vc_ += merging_.arrive(n, focuses, cosine);
+        merging_.arrive(n, focuses, cosine);
         connects_ = connects;
     }
+    /// The path goes on from this vertex, which focuses: see MergeRule::settle().
+    void settle(double pending_n) { d_vc_ += merging_.settle(pending_n); }
 
     /// d_vcm of the last edge; 0 if no technique in use connects it.
     double d_vcm() const { return connects_ ? d_vcm_ : 0; }
@@ -115,8 +118,8 @@ public:
         d_vcm_ = squared(1 / forward);  // (34)
     }
     /// Scattering by a delta lobe.
-    void scatter_specularly(double cosine) {
-        d_vc_ += merging_.scatter_specularly();
+    void scatter_specularly(double cosine, double pending_n = 0) {
+        d_vc_ += merging_.scatter_specularly(pending_n);
         d_vc_ *= squared(cosine);  // (54)
         d_vcm_ = 0;                // (53)
     }

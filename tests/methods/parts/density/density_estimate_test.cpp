@@ -261,8 +261,9 @@ TEST(VolumeEstimate, HasTheDensityOfUniformPhotonsForEveryKernel) {
                 const Sampler u(PointSet::independent, seed + 1000, static_cast<std::uint64_t>(i), 0);
                 const Vec2 a = u.get_2d(0);
                 const Vec3 p(a.x() - 0.5f, a.y() - 0.5f, 4.5f + u.get_1d(1));
+                NumberStream numbers(u);
                 sum += static_cast<double>(
-                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, u, 2)
+                    estimator.scattered_radiance(map, rays, p, isotropic, Vec3::UnitX(), EyePath{100}, numbers)
                         .radiance[0]);
             }
             means.add(sum / look_ups * 4 * pi_d * 8);
@@ -281,9 +282,10 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
     const PhotonMap map(photons, 1);
     RayQueries rays(*large_plane().scene);
     const Sampler u(PointSet::independent, 1, 1, 0);
+    NumberStream numbers(u);
     const VolumeEstimator estimator{Kernel::uniform, 100, 1.f, DiscArea::plain};
     const auto sum = [&](const EyePath& eye) {
-        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, u, 0).radiance *
+        return Color(estimator.scattered_radiance(map, rays, Vec3(0, 0, 5), {}, Vec3::UnitX(), eye, numbers).radiance *
                      (4 * pi * 4 / 3 * pi));
     };
     EXPECT_NEAR(sum({100})[1], 8, 1e-4);
@@ -300,12 +302,14 @@ TEST(VolumeEstimate, CountsOnlyPhotonsThatAPathCanBeJoinedWith) {
 // among 8 probes is 12 % too large at the wall.
 TEST(VolumeEstimate, ReciprocalShareInSightIsThatOfTheBallBeforeAWall) {
     RayQueries rays(*large_plane().scene);
-    const VolumeEstimator estimator{Kernel::uniform, 50, 1.f, DiscArea::surface};
     for (const float d : {0.01f, 0.1f, 0.5f, 0.9f, 1.5f}) {
         Moments reciprocal;
-        for (std::uint64_t i = 0; i < 20000; ++i)
-            reciprocal.add(static_cast<double>(estimator.reciprocal_share_in_sight(
-                rays, Vec3(0, 0, d), 1.f, Sampler(PointSet::independent, 7, i, 0), 0)));
+        for (std::uint64_t i = 0; i < 20000; ++i) {
+            const Sampler sampler(PointSet::independent, 7, i, 0);
+            NumberStream u(sampler);
+            reciprocal.add(
+                static_cast<double>(reciprocal_share_in_sight(Kernel::uniform, rays, Vec3(0, 0, d), 1.f, u)));
+        }
         const double x = std::min(static_cast<double>(d), 1.0);
         const double share = 1 - (1 - x) * (1 - x) * (2 + x) / 4;
         EXPECT_NEAR(reciprocal.mean(), 1 / share, 5 * reciprocal.standard_error() + 1e-6) << d;

@@ -38,7 +38,17 @@ TEST(PlaceRadius, OfASquareIsItsSizeAlsoAtItsEdges) {
             EXPECT_GT(double{r}, 0.4999 * a) << a << at.transpose();
         }
     }
-    EXPECT_EQ(radius_at(scene_of_shapes(white("rectangle", scale(5))), down_at(4.999f, 0.3f)), 1.f);
+}
+
+// Close to a straight edge four of eight directions stay on the surface, and a fifth only if it runs along the edge. Four
+// have to be enough, because the part of the disc beyond the edge is known (SurfaceDisc::covered()).
+TEST(PlaceRadius, IsUnboundedAtAStraightEdge) {
+    for (const double turned : {0., 10., 22.5, 40.}) {
+        const LoadedScene scene = scene_of_shapes(white("rectangle", scale(5) + rotate('z', turned)));
+        const float angle = static_cast<float>(turned) * pi / 180.f, c = std::cos(angle), s = std::sin(angle);
+        const Vec2 p(4.999f * c - 0.3f * s, 4.999f * s + 0.3f * c);
+        EXPECT_EQ(radius_at(scene, down_at(p.x(), p.y())), 1.f) << turned;
+    }
 }
 
 // Along a rod no more than two of eight directions stay on it for long: another one is at least 22.5 degrees off, and leaves

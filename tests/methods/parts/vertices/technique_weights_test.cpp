@@ -24,8 +24,9 @@ struct WholePath {
 };
 
 /// p_s^2 over the sum of p_j^2, merging included, by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths, const PathRules& rules,
+std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const PathRules& rules,
                                const WholePath& path) {
+    const gib::Scene& scene = rays.scene();
     const auto& x = path.inner;
     const std::size_t n = x.size();
     const Light& light = scene.lights()[path.start.light];
@@ -82,7 +83,7 @@ std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths,
         const PathVertex& at = x[i - 1];
         const bool follows_focus = i > 1 && x[i - 2].hit && focuses(*x[i - 2].hit, x[i - 2].from);
         if (rules.used.merges != Merges::everywhere && !follows_focus) continue;
-        double density = at.hit ? rules.merging.on_surfaces : rules.merging.at(*at.medium, at.p);
+        double density = at.hit ? rules.merging.n_at(rays, *at.hit, at.from) : rules.merging.n_at(*at.medium, at.p);
         for (std::size_t j = 1; j <= i; ++j)
             density *= forward[j];
         for (std::size_t j = i; j <= n; ++j)
@@ -94,7 +95,7 @@ std::vector<double> weights_of(const gib::Scene& scene, const LightPaths& paths,
     return p;
 }
 
-void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeDensities& merging = {}) {
+void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeRadii& merging = {}) {
     const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
     const PathRules rules{longest, {.merges = merges}, merging};
@@ -107,7 +108,7 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
     // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
     // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
-        const double expected = weights_of(scene, paths, rules, path)[s];
+        const double expected = weights_of(rays, paths, rules, path)[s];
         EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
@@ -133,9 +134,10 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
         PixelSample lost;
         CameraWalk(
             rays, eye, sampler, paths, rules, lost, [](const FoundLight&) {},
-            [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+            [&](PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
+                    if (from_light[s - 1].sums.merging().focuses()) tell_n(rules.merging, rays, vertex);
                     const auto joined = connect(rays, vertex, from_light[s - 1], paths, flights);
                     if (!joined) continue;
                     WholePath path{start->sample,
@@ -161,12 +163,13 @@ TEST(TechniqueWeights, OfDeltaLightsAreThoseOfTheDensities) {
 }
 TEST(TechniqueWeights, OfAnEnvironmentAreThoseOfTheDensities) { expect_weights(room({.light = sky})); }
 TEST(TechniqueWeights, InAMediumAreThoseOfTheDensities) { expect_weights(room({.light = lamp, .more = fog})); }
-// The mirror and the ball have no diffuse lobe, so photons are merged at the vertices that follow on them.
+// The mirror and the ball have no diffuse lobe, so photons are merged at the vertices that follow on them. The radius on the
+// ball is half of that on the floor, and the weights of a path know both.
 TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
     for (const Merges merges : {Merges::behind_focus, Merges::everywhere})
         for (const LoadedScene& scene :
              {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point}), room({.light = sky})})
-            expect_weights(scene, merges, {.on_surfaces = 3, .in_media = 2});
+            expect_weights(scene, merges, {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}});
 }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));
