@@ -246,6 +246,9 @@ void add_compare(CLI::App& app, Action& action) {
         ->expected(2, 1 << 20);
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_flag("--json", options->json, "print JSON");
+    command->add_option(
+        "--png", options->png,
+        "file for a picture of the first image's difference: blue is darker than the reference, red brighter");
     command->add_flag("--other-scene", options->other_scene,
                       "compare images of another scene, or of another version of it, than the reference's, too");
     CLI::Option* z_test = command->add_flag(
