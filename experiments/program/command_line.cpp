@@ -7,6 +7,7 @@
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
+#include "experiments/program/compare_runs.h"
 #include "experiments/program/completion.h"
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_files.h"
@@ -342,6 +343,18 @@ void add_status(CLI::App& app, Action& action) {
     perform_with(folder, command, action, [](const auto& path) { return print_status(path, std::cout); });
 }
 
+void add_compare_runs(CLI::App& app, Action& action) {
+    auto options = std::make_shared<CompareRunsOptions>();
+    CLI::App* command = app.add_subcommand(
+        "compare-runs", "say which methods have become better or worse from one run of an experiment to another");
+    command->add_option("OLD", options->before, "a folder of results")->required();
+    command->add_option("NEW", options->after, "a folder of results of the same scenes and labels")->required();
+    command->add_flag("--csv", options->csv, "print CSV");
+    command->add_flag("--fail-if-worse", options->fail_if_worse,
+                      "exit code 1 if a number is worse, or none is compared");
+    perform_with(options, command, action, [](const auto& o) { return compare_runs(o, std::cout); });
+}
+
 void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
@@ -467,6 +480,7 @@ int run_program(int argc, char** argv) {
     add_list(app, action);
     add_report(app, action);
     add_status(app, action);
+    add_compare_runs(app, action);
     add_photons(app, action);
     add_tune(app, action, command_line);
     add_completion(app, action);
