@@ -9,6 +9,7 @@
 #include "experiments/program/compare.h"
 #include "experiments/program/compare_runs.h"
 #include "experiments/program/completion.h"
+#include "experiments/program/help_format.h"
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_files.h"
 #include "experiments/results/result_folder.h"
@@ -88,9 +89,6 @@ void add_loading(CLI::App* command, SceneLoadOptions& loading) {
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
-/// The words of a text, as a shell would take them apart.
-std::vector<std::string> words_of(const std::string& text) { return CLI::detail::split_up(text); }
-
 /// Who runs the cells of an experiment.
 struct ExecutorOptions {
     std::string name = "local";
@@ -125,7 +123,7 @@ void add_executor(CLI::App* command, ExecutorOptions& executor) {
 }
 
 int run_on(ExecutorOptions executor, const RunOptions& options) {
-    executor.slurm.user_options = words_of(executor.slurm.sbatch);
+    executor.slurm.user_options = CLI::detail::split_up(executor.slurm.sbatch);  // as a shell would
     if (!executor.job.empty()) return run_job(options, executor.slurm, executor.job, std::cout);
     if (executor.name == "local") {
         if (!executor.slurm.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
@@ -160,6 +158,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_option("--seeds", options->seeds, "run seeds 1 to this number instead of the file's")
         ->check(CLI::Range(1, most_seeds));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
+    command->add_flag("--quiet", options->quiet, "print warnings and errors only: no progress, no verdict");
     command->add_flag("--fresh", options->fresh,
                       "delete the measurements of the selected cells and measure them again (references are kept, "
                       "unless the scene's content has changed)");
@@ -326,21 +325,12 @@ void add_completion(CLI::App& app, Action& action) {
     });
 }
 
-void add_report(CLI::App& app, Action& action) {
+void add_of_folder(CLI::App& app, Action& action, const char* name, const char* sentence,
+                   int (*work)(const std::string&, std::ostream&)) {
     auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("report", "make the tables and report.html again from stored results alone");
+    CLI::App* command = app.add_subcommand(name, sentence);
     command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
-    perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
-}
-
-void add_status(CLI::App& app, Action& action) {
-    auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand(
-        "status",
-        "say which cells of a run are done, running, waiting, failed and missing; exit code 1 if one has failed "
-        "or is missing");
-    command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
-    perform_with(folder, command, action, [](const auto& path) { return print_status(path, std::cout); });
+    perform_with(folder, command, action, [work](const auto& path) { return work(path, std::cout); });
 }
 
 void add_compare_runs(CLI::App& app, Action& action) {
@@ -471,6 +461,7 @@ int run_program(int argc, char** argv) {
     Action action;
     CLI::App app("gibench: what every step of accuracy costs in global illumination", "gibench");
     app.set_version_flag("--version", build_text());
+    app.formatter(narrow_help());
     app.require_subcommand(1);
     add_run(app, action, command_line);
     add_render(app, action);
@@ -478,8 +469,10 @@ int run_program(int argc, char** argv) {
     add_compare(app, action);
     add_plan(app, action);
     add_list(app, action);
-    add_report(app, action);
-    add_status(app, action);
+    add_of_folder(app, action, "report", "make the tables and report.html again from stored results alone",
+                  rebuild_report);
+    add_of_folder(app, action, "status", "count a run's cells by state; exit code 1 if one has failed or is missing",
+                  print_status);
     add_compare_runs(app, action);
     add_photons(app, action);
     add_tune(app, action, command_line);

@@ -198,9 +198,9 @@ TEST_F(ReportPageTest, ShowsEachMethodAtEqualTime) {
     EXPECT_GT(*look.flip, 0);
     EXPECT_LT(*look.flip, 1);
     const std::string page = report_html(analysis_, *folder_);
-    EXPECT_THAT(page, HasSubstr(fmt::format("data-method=\"path spp=64\" data-passes=\"{}\"", look.passes)));
+    EXPECT_THAT(page, HasSubstr(fmt::format("data-method=\"path\" data-passes=\"{}\"", look.passes)));
     const std::size_t strip = page.find("class=\"strip"), chart = page.find("class=\"curve-chart"),
-                      words = page.find("class=\"answers"), table = page.find("<details class=\"folded");
+                      words = page.find("class=\"verdict"), table = page.find("<details class=\"folded");
     EXPECT_LT(strip, chart) << "look first, then error against time";
     EXPECT_LT(chart, words);
     EXPECT_LT(words, table);
