@@ -15,7 +15,6 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     const auto* node = table.get("label");
     if (!node) return "";
     const std::string name = reader.string(*node, "label");
-    if (name.empty()) throw InputError(reader.at(*node), "'label' is empty");
     if (name.find_first_of("\n\r\t`") != std::string::npos)
         throw InputError(reader.at(*node), "a label has one line, and no backquotes");
     if (!names.insert(name).second) reject(reader.at(*node), "two methods have the label '{}'", name);

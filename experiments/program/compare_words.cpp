@@ -138,7 +138,8 @@ std::string comparison_sentence(const std::vector<Image>& tests, const Reference
                            short_number(of_mean.factor > 1 ? of_mean.factor : 1 / of_mean.factor),
                            of_mean.factor > 1 ? "bright" : "dark");
     if (resolved > 0 && error2 <= resolved)
-        text += fmt::format("the rest is within the reference's noise of {} %", percent_text(std::sqrt(resolved)));
+        text += fmt::format("the rest is within the reference's noise of {} %",
+                            percent_text(relative_standard_error(reference, denominators)));
     else text += fmt::format("relative RMSE {} %", percent_text(std::sqrt(at_least_zero(error2))));
     if (const std::string fit = better_fit(mean, reference, denominators); !fit.empty()) text += "; fits better " + fit;
     return text;

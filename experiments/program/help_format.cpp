@@ -12,6 +12,16 @@ constexpr std::size_t terminal_columns = 80;
 
 class NarrowHelp : public CLI::Formatter {
 public:
+    std::string make_option(const CLI::Option* option, bool is_positional) const override {
+        constexpr std::size_t indent = 6;
+        std::string name =
+            wrapped(make_option_name(option, is_positional) + make_option_opts(option), terminal_columns - indent);
+        for (std::size_t at = 0; (at = name.find('\n', at)) != std::string::npos; at += indent)
+            name.insert(at + 1, indent, ' ');
+        std::stringstream out;
+        CLI::detail::format_help(out, name, make_option_desc(option), get_column_width());
+        return out.str();
+    }
     std::string make_option_desc(const CLI::Option* option) const override {
         return wrapped(CLI::Formatter::make_option_desc(option), terminal_columns - get_column_width());
     }

@@ -44,7 +44,7 @@ public:
     std::vector<VerdictRow> verdict() const {
         if (contest_.methods() == 0) return {};
         if (!contest_.is_judged())
-            return {VerdictRow{.remark = fmt::format("none: the reference does not judge the light of {}",
+            return {VerdictRow{.remark = fmt::format("the reference does not judge the light of {}",
                                                      words_of(analysis_.unjudged(scene_)))}};
         std::vector<VerdictRow> rows;
         for (const std::size_t target : asked_targets) {
@@ -164,7 +164,7 @@ private:
     std::vector<VerdictRow> without_winner(std::size_t target) const {
         if (!is_target_resolved(target, contest_.noise_floor()))
             return {{.target = target,
-                     .remark = fmt::format("none: the reference resolves {} % only",
+                     .remark = fmt::format("the reference resolves {} % only",
                                            percent_text(std::sqrt(contest_.noise_floor())))}};
         const auto closest = contest_.by_final_images();
         std::vector<std::string> methods;

@@ -169,7 +169,7 @@ Section verdict_section(const Analysis& analysis) {
             section.rows.push_back(
                 {.scene = scene,
                  .entries = {{v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
-                             method_entry(v.method, v.method),
+                             method_entry(v.method, v.method.empty() ? "none" : v.method),
                              entry_of(v.seconds, v.is_best                 ? Mark::best
                                                  : v.seconds.is_measured() ? Mark::none
                                                                            : Mark::grey),

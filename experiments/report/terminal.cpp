@@ -72,7 +72,7 @@ std::string terminal_verdict(const Analysis& whole) {
     for (const Line& line : lines) {
         std::string row =
             fmt::format("{:<{}}{:>{}}  ", has_scenes ? cut(line.scene, scene - 1) : "", scene, line.error, error);
-        if (line.method.empty()) row += line.consists_of;
+        if (line.method.empty()) row += "none: " + line.consists_of;
         else
             row += fmt::format("{:<{}} {:>{}} {:>{}}  {}", cut(line.method, method), method, cut(line.seconds, seconds),
                                seconds, cut(line.factor, factor), factor, line.consists_of);

@@ -46,12 +46,12 @@ report.sweeps = (() => {
     return `bias² is above 0 with its whole interval at ${resolved} of ${points.length} values; a slope needs three. More seeds, or a better reference, resolve more.${said}`;
   }
 
-  /** The component whose bias² is largest of those that are resolved; else the first. */
+  /** The component whose bias² is largest of those that are resolved; else the total. */
   function largestBias(components) {
     const names = Object.keys(components);
     const bias = (name) => Math.max(0, ...components[name].points.filter((p) => p[2] > 0).map((p) => p[1]));
-    const parts = names.filter((name) => name !== "total");
-    return (parts.length > 0 ? parts : names).reduce((a, b) => (bias(b) > bias(a) ? b : a));
+    const parts = names.filter((name) => name !== "total" && bias(name) > 0);
+    return parts.reduce((a, b) => (bias(b) > bias(a) ? b : a), parts[0] ?? names.find((name) => name === "total") ?? names[0]);
   }
 
   function setUp(place, sweep) {
@@ -65,7 +65,7 @@ report.sweeps = (() => {
     });
     place.append(box);
     const panel = new charts.Panel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
-      "Parts of the mean squared error of the final images, with 95 % intervals. Triangles: bias² below this.", () => ({
+      "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Triangles: bias² is below this.", () => ({
         sets: [
           ...partSets(sweep.components[shown].points, "bias2"),
           ...partSets(sweep.components[shown].points, "variance"),

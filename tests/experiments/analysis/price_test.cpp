@@ -116,7 +116,7 @@ TEST(Verdicts, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
     const auto rows = verdict(analysis, "box");
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].method, "");
-    EXPECT_EQ(rows[0].remark, "none: the reference does not judge the light of caustic");
+    EXPECT_EQ(rows[0].remark, "the reference does not judge the light of caustic");
     EXPECT_TRUE(crossovers(analysis).empty());
     EXPECT_TRUE(pareto_frontier(analysis).empty());
     for (const EqualTimeRow& row : equal_time_rows(analysis))

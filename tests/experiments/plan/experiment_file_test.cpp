@@ -45,7 +45,7 @@ TEST_F(ExperimentFileTest, AMethodTakesANameForItsRows) {
     const std::string head = "scenes = ['a.xml']\n[[method]]\nname = 'path'\n";
     EXPECT_THAT(error_of(head + "label = 'x'\n[[method]]\nname = 'vcm'\nlabel = 'x'\n"),
                 HasSubstr("two methods have the label 'x'"));
-    EXPECT_THAT(error_of(head + "label = ''\n"), HasSubstr("empty"));
+    EXPECT_THAT(error_of(head + "label = ''\n"), HasSubstr("'label' needs a text"));
     EXPECT_THAT(error_of(head + "label = 3\n"), HasSubstr("label"));
 }
 
