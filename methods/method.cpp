@@ -1,5 +1,6 @@
 #include "methods/method.h"
 
+#include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
 
@@ -123,7 +124,8 @@ const MethodDescription& find_method(std::string_view name, const SourceLocation
         if (method.name == name) return method;
         names.push_back(method.name);
     }
-    reject(where, "unknown method '{}'; there are: {}", name, fmt::join(names, ", "));
+    reject(where, "unknown method '{}'{} There are: {}", name, did_you_mean_or_stop(name, names),
+           fmt::join(names, ", "));
 }
 
 const MethodDescription& find_comparable_method(std::string_view name, const SourceLocation& where) {

@@ -1,5 +1,6 @@
 #include "methods/parameters.h"
 
+#include "common/core/nearest_word.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 
@@ -86,8 +87,8 @@ ParameterValues::ParameterValues(const std::vector<Parameter>& declared, const M
         const auto p = std::find_if(declared_.begin(), declared_.end(),
                                     [&wanted = key](const auto& d) { return d.name == wanted; });
         if (p == declared_.end()) {
-            reject(where, "method '{}' has no parameter '{}'; it has: {}", label.name, key,
-                   fmt::join(names_of(declared_), ", "));
+            reject(where, "method '{}' has no parameter '{}'{} It has: {}", label.name, key,
+                   did_you_mean_or_stop(key, names_of(declared_)), fmt::join(names_of(declared_), ", "));
         }
         for (std::size_t j = 0; j < i; ++j)
             if (values_[j].first == key) reject(where, "parameter '{}' is given twice", key);

@@ -112,6 +112,17 @@ int channel_index(const std::vector<std::string>& names, const std::string& name
     return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
+/// Gives channels `r`, `g`, `b` their usual names, unless the file has these, too.
+void name_in_capitals(std::vector<std::string>& channels) {
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        std::string name = channels[i];
+        const bool is_letter = name.size() == 1 || (name.size() > 1 && name[name.size() - 2] == '.');
+        if (!is_letter || std::string_view("rgb").find(name.back()) == std::string_view::npos) continue;
+        name.back() = static_cast<char>(name.back() - 'a' + 'A');
+        if (channel_index(channels, name) < 0) channels[i] = std::move(name);
+    }
+}
+
 /// Whether the program reads the layers of this name itself: the image, a component, or a standard error, bias or group.
 bool is_read_by_name(const std::string& layer) {
     const std::string first = layer.substr(0, layer.find('_'));
@@ -192,8 +203,9 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image) {
 }
 
 LayeredImage read_image(const std::string& path) {
-    const StoredImage stored = image_library().read_image(path);
+    StoredImage stored = image_library().read_image(path);
     require_display_window(stored, path);
+    name_in_capitals(stored.channels);
     const auto layers = layers_among(stored.channels, path);
     if (layers.empty()) {
         std::string names;

@@ -65,7 +65,7 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
 std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO::ImageSpec* config) {
     const SourceLocation where{path, 0, 0};
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) throw InputError(where, "no such file");
+    if (!std::filesystem::exists(path, ignored)) throw InputError(path + ": no such file");
     if (std::filesystem::is_directory(path, ignored)) throw InputError(where, "this is a folder, not an image");
     auto file = OIIO::ImageInput::open(path, config);
     if (!file) throw InputError(where, "not an image that can be read: " + OIIO::geterror());

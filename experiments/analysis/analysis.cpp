@@ -9,6 +9,7 @@
 #include "experiments/analysis/processors.h"
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
+#include "experiments/analysis/short_names.h"
 #include "experiments/measuring/contradiction.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/results/flip_record.h"
@@ -326,6 +327,9 @@ Analysis analyse(const ResultFolder& folder) {
         if (reference) add_scene(scene, *reference, folder, analysis);
         else analysis.missing_cells += analysis.index.methods.size() * static_cast<std::size_t>(analysis.index.seeds);
     }
+    const auto names = short_names(analysis);
+    for (TableRow& row : analysis.rows)
+        row.name = names.at(row.method);
     return analysis;
 }
 

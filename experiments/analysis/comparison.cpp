@@ -64,7 +64,7 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
     std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>> found;
     for (const TableRow& row : analysis.rows) {
         if (row.scene != scene || row.layer != layer) continue;
-        const MethodLabel label = MethodLabel::parse(row.method);
+        const MethodLabel label = MethodLabel::parse(analysis.label_of(row.method));
         for (std::size_t i = 0; i < label.values.size(); ++i) {
             const auto value = positive_number(label.values[i].second);
             if (!value) continue;
@@ -74,6 +74,23 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
         }
     }
     return found;
+}
+
+/// The exponent p of bias^2 = c x^-p of a density estimate over a disc of radius r. Where light is smooth, the bias of the
+/// k nearest of N photons is proportional to r^2, as odd terms of its Taylor series cancel, so that bias^2 ~ r^4; the disc
+/// holds k photons, so that r^2 ~ k / N (Jensen 2001, chapter 7; Silverman 1986, section 5.2). k=auto grows as N^(2/3).
+/// Final gathering and the cache have biases of their own.
+std::optional<double> theoretical_exponent(const MethodLabel& rest, const std::string& parameter, Layer layer) {
+    const auto value = [&](const char* key) {
+        const auto found =
+            std::find_if(rest.values.begin(), rest.values.end(), [&](const auto& v) { return v.first == key; });
+        return found == rest.values.end() ? std::string() : found->second;
+    };
+    const bool gathers = !value("gather").empty() && value("gather") != "0";
+    if (rest.name != "photon_mapper" || (gathers && layer != Layer::caustic)) return std::nullopt;
+    if (parameter == "photons") return value("k") == "auto" ? 2. / 3 : 2;
+    if (parameter == "k") return -2;
+    return std::nullopt;
 }
 
 }  // namespace
@@ -125,10 +142,16 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
         for (const Layer layer : layers_of(analysis, scene))
             for (const auto& [key, rows] : sweeps(analysis, scene, layer)) {
                 if (rows.size() < 3) continue;
-                BiasLaw law{.scene = scene, .layer = layer, .method = key.first, .parameter = key.second};
+                BiasLaw law{.scene = scene,
+                            .layer = layer,
+                            .method = key.first,
+                            .parameter = key.second,
+                            .rows = {rows.begin(), rows.end()},
+                            .theory = theoretical_exponent(MethodLabel::parse(key.first), key.second, layer)};
+                if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.second->is_unbiased; }))
+                    continue;
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
-                    law.values.push_back(x);
                     if (row->is_unbiased || !row->statistics || !row->statistics->bias2) continue;
                     const Estimate& bias2 = *row->statistics->bias2;
                     if (!bias2.interval || !(bias2.interval->lo > 0)) continue;
@@ -136,8 +159,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                     points.push_back({x, bias2.value, std::max(width, 1e-6) / (2 * 1.96)});
                 }
                 law.resolved_count = points.size();
-                if (points.size() < 3) continue;
-                law.exponent = fitted_exponent(points);
+                if (points.size() >= 3) law.exponent = fitted_exponent(points);
                 laws.push_back(std::move(law));
             }
     return laws;

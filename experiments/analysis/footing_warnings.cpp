@@ -68,38 +68,30 @@ std::vector<Warning> disagreements(const UnresolvedRows& groups) {
 }  // namespace
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {
-    std::vector<Warning> differing, unresolved;
+    std::vector<Warning> differing;
     UnresolvedRows groups;
     const TableRow* last = nullptr;
-    // Rows of one method are joined in one sentence.
-    const auto add = [&](std::vector<Warning>& warnings, const TableRow& row, Warning::Kind kind,
-                         const std::string& what) {
-        if (!warnings.empty() && last && last->scene == row.scene && last->method == row.method) {
-            warnings.back().sentence += ", " + component_text(row);
-            return;
-        }
-        last = &row;
-        warnings.push_back({.kind = kind,
-                            .scene = row.scene,
-                            .sentence = fmt::format("{}{}: {}", row.method, what, component_text(row))});
-    };
-    for (const TableRow& row : analysis.rows)
-        if (row.has_verdict(FootingVerdict::differs))
-            add(differing, row, Warning::Kind::energy_differs,
-                (row.effects_missing.empty() ? "" : ", which leaves out " + words_of(row.effects_missing) + ",") +
-                    " differs from the reference in mean energy");
-    last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        if (!row.has_verdict(FootingVerdict::unresolved)) continue;
         // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing.
-        if (row.effects_missing.empty() && !row.components_missing.touches(row.layer) && row.footing->excess.interval)
+        if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
+            !row.components_missing.touches(row.layer) && row.footing->excess.interval)
             groups[{row.scene, row.layer}].push_back(&row);
-        add(unresolved, row, Warning::Kind::energy_unknown,
-            fmt::format(" cannot be told within {:.0f} %", 100 * footing_tolerance));
+        if (!row.has_verdict(FootingVerdict::differs)) continue;
+        // Rows of one method are joined in one sentence.
+        if (last && last->scene == row.scene && last->method == row.method)
+            differing.back().sentence += ", " + component_text(row);
+        else
+            differing.push_back(
+                {.kind = Warning::Kind::energy_differs,
+                 .scene = row.scene,
+                 .sentence = fmt::format(
+                     "{}{} differs from the reference in mean energy: {}", row.method,
+                     row.effects_missing.empty() ? "" : ", which leaves out " + words_of(row.effects_missing) + ",",
+                     component_text(row))});
+        last = &row;
     }
     for (auto& warning : disagreements(groups))
         differing.push_back(std::move(warning));
-    differing.insert(differing.end(), unresolved.begin(), unresolved.end());
     return differing;
 }
 

@@ -8,9 +8,8 @@
 
 namespace gib {
 
-/// Warnings that name method and layers, in three parts: one for each method with layers that differ from the reference;
-/// where the reference cannot judge a component of several methods, one for the two methods that differ most surely from
-/// each other; one for each method with layers of which this is not known.
+/// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
+/// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.
 std::vector<Warning> footing_warnings(const Analysis& analysis);
 
 }  // namespace gib

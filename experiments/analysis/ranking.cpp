@@ -11,7 +11,23 @@ namespace {
 
 bool counts(const Contender& c) { return c.is_complete && !c.logs.empty() && c.known == Contender::Known::equal; }
 
-/// Sets what the seeds of all contenders together tell of the scatter of each.
+/// The upper end of the interval of a contender's logarithm; infinite for one seed.
+double upper_end(const Contender& c) {
+    const double half = half_width(c.scatter, tie_tail);
+    return std::isfinite(half) ? c.log_mean + half : std::numeric_limits<double>::infinity();
+}
+
+Standing standing_beside(const Contender& best, const Contender& c) {
+    if (c.logs.empty()) return Standing::no_image;
+    if (!c.is_complete) return Standing::incomplete;
+    if (c.known == Contender::Known::equal) return are_told_apart(best, c) ? Standing::behind : Standing::tie;
+    const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best);
+    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
+    return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;
+}
+
+}  // namespace
+
 void set_scatter(std::vector<Contender>& contenders) {
     double sum = 0, degrees = 0;
     for (Contender& c : contenders) {
@@ -29,23 +45,6 @@ void set_scatter(std::vector<Contender>& contenders) {
         c.scatter.push_back(pooled);
     }
 }
-
-/// The upper end of the interval of a contender's logarithm; infinite for one seed.
-double upper_end(const Contender& c) {
-    const double half = half_width(c.scatter, tie_tail);
-    return std::isfinite(half) ? c.log_mean + half : std::numeric_limits<double>::infinity();
-}
-
-Standing standing_beside(const Contender& best, const Contender& c) {
-    if (c.logs.empty()) return Standing::no_image;
-    if (!c.is_complete) return Standing::incomplete;
-    if (c.known == Contender::Known::equal) return are_told_apart(best, c) ? Standing::behind : Standing::tie;
-    const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best);
-    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
-    return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;
-}
-
-}  // namespace
 
 bool are_told_apart(const Contender& better, const Contender& worse) {
     std::vector<VarianceTerm> terms = better.scatter;

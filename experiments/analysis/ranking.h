@@ -39,7 +39,7 @@ struct Contender {
     std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
     double ended = 0;                     ///< mean time of the runs [s]
     double first_image = 0;               ///< time after which all runs have an image [s]
-    // Set by ranked():
+    // Set by ranked() and set_scatter():
     Standing standing = Standing::no_image;
     double log_mean = 0;                     ///< mean of `logs`
     std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
@@ -48,6 +48,9 @@ struct Contender {
 /// The probability with which two methods of equal means are told apart. It is smaller than that of the intervals,
 /// because many pairs are compared.
 inline constexpr double tie_tail = 0.02;
+
+/// Sets what the seeds of all contenders together tell of the scatter of each: `log_mean` and `scatter`.
+void set_scatter(std::vector<Contender>& contenders);
 
 /// Whether `better` is smaller than `worse` for sure (half_width()). One seed tells nothing.
 bool are_told_apart(const Contender& better, const Contender& worse);

@@ -28,6 +28,11 @@ Components Analysis::unjudged(const std::string& scene) const {
     return quality ? quality->unjudged : Components();
 }
 
+const std::string& Analysis::label_of(const std::string& method) const {
+    const auto found = labels.find(method);
+    return found == labels.end() ? method : found->second;
+}
+
 const TableRow* Analysis::row(const std::string& scene, const std::string& method, Layer layer) const {
     for (const TableRow& row : rows)
         if (row.layer == layer && row.method == method && row.scene == scene) return &row;

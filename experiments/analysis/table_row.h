@@ -29,6 +29,7 @@ bool is_target_resolved(std::size_t target, double noise_floor);
 
 struct TableRow {
     std::string scene, method;
+    std::string name = {};  ///< short name of the method (short_names.h)
     Layer layer = Layer::total;
     int seeds = 0;
     double seconds = 0;                                  ///< mean charged seconds of the final images
@@ -93,8 +94,7 @@ struct Warning {
         busy_machine,
         unlike_processors,
         reference_contradicted,
-        energy_differs,
-        energy_unknown
+        energy_differs
     };
     Kind kind;
     std::string scene;
@@ -114,6 +114,8 @@ struct Analysis {
     /// The passes after which the labels that differ from (scene, label) in `spp` alone stopped; one_label_a_method()
     /// alone fills it.
     std::map<std::pair<std::string, std::string>, std::vector<std::uint32_t>> stops;
+    /// The labels by their short names; with_short_names() alone fills it.
+    std::map<std::string, std::string> labels;
     std::vector<std::string> damage;  ///< messages: what is damaged, and the cell or scene that is left out
     std::size_t missing_cells = 0;    ///< cells of the experiment that are not complete
 
@@ -122,6 +124,8 @@ struct Analysis {
     double noise_floor(const std::string& scene, Layer layer) const;
     /// ReferenceQuality::unjudged of a scene; empty if the whole image is judged.
     Components unjudged(const std::string& scene) const;
+    /// The label, with all settings, of a method in `rows`.
+    const std::string& label_of(const std::string& method) const;
     /// Null if there is no such row.
     const TableRow* row(const std::string& scene, const std::string& method, Layer layer) const;
 };

@@ -56,6 +56,7 @@ struct Experiment {
     MethodLabel reference_method;
     std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
     std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
+    std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 
     /// The command of a label; null for a method of gibench.
     const ExternalMethod* external(const MethodLabel& label) const {

@@ -57,11 +57,19 @@ DeclaredTable keys_of_a_reference() {
         "one value of a parameter of the reference's method"};
 }
 
+Declared key_of_a_label() {
+    return {"label", "text; default: the method and those of its settings that vary",
+            "what the rows are called in tables, report and figures, such as `\"photon map, gathered\"`, with the "
+            "settings that "
+            "vary. No two methods have the same"};
+}
+
 DeclaredTable keys_of_a_command() {
     return {
         "[[method]] with a command",
         "another renderer",
         {{"name", "word; required", "first word of the rows' labels; no method of gibench has it"},
+         key_of_a_label(),
          {"command", "text; required",
           "runs in `/bin/sh`, in the folder of the experiment file. `{scene}` and `{out}` are the files to read and "
           "to write, and have to be there; `{spp}`, `{seconds}` (of the budget), `{seed}`, `{threads}`, `{width}`, "
@@ -104,7 +112,8 @@ const std::vector<DeclaredTable>& experiment_keys() {
          "a method of gibench, or several labels of it",
          {{"name", "text; required",
            "a method that estimates radiance: `path`, `photon_mapper`, ... (`gibench list methods` says which there "
-           "are)"}},
+           "are)"},
+          key_of_a_label()},
          "a value, or a list of values, of a parameter of the method (`gibench list methods --parameters`)"},
         keys_of_a_command(),
         keys_of_tune()};

@@ -8,15 +8,32 @@
 
 namespace gib {
 
+namespace {
+
+/// The key `label` of a table; empty if it is not given.
+std::string read_given_name(const TomlReader& reader, const toml::table& table, std::set<std::string>& names) {
+    const auto* node = table.get("label");
+    if (!node) return "";
+    const std::string name = reader.string(*node, "label");
+    if (name.find_first_of("\n\r\t`") != std::string::npos)
+        throw InputError(reader.at(*node), "a label has one line, and no backquotes");
+    if (!names.insert(name).second) reject(reader.at(*node), "two methods have the label '{}'", name);
+    return name;
+}
+
+}  // namespace
+
 ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node) {
     ExperimentMethods methods;
-    std::set<std::string> texts;
+    std::set<std::string> texts, names;
     for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
         const auto& table = reader.table(item, "method");
         const SourceLocation where = reader.at(item);
+        const std::string given_name = read_given_name(reader, table, names);
         const auto add = [&](const MethodLabel& label) {
             if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
             methods.labels.push_back(label);
+            if (!given_name.empty()) methods.given_names[label.text()] = given_name;
         };
         if (table.get("command")) {
             for (ExternalMethod& external : read_external_method(reader, table, where)) {
@@ -30,7 +47,7 @@ ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node)
         const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
         MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
         for (const auto& entry : reader.entries(table))
-            if (entry.key != "name") sweep.add(entry);
+            if (entry.key != "name" && entry.key != "label") sweep.add(entry);
         for (const auto& label : sweep.labels(where))
             add(label);
     }

@@ -15,6 +15,7 @@ namespace gib {
 struct ExperimentMethods {
     std::vector<MethodLabel> labels;                  ///< in the order of the file
     std::map<std::string, ExternalMethod> externals;  ///< those with a command, by their labels
+    std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 };
 
 /// All labels of an experiment's [[method]] tables. Throws InputError for a method that is unknown, estimates no

@@ -36,6 +36,7 @@ struct RunOptions {
     bool fresh = false;                      ///< whether complete cells are done again
     std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest
+    bool quiet = false;                      ///< no progress, no verdict
     std::optional<RunShare> share = {};      ///< part that this process runs; none: everything, tables and report too
 };
 

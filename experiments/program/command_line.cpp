@@ -7,7 +7,9 @@
 #include "experiments/program/command_line_hints.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
+#include "experiments/program/compare_runs.h"
 #include "experiments/program/completion.h"
+#include "experiments/program/help_format.h"
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_files.h"
 #include "experiments/results/result_folder.h"
@@ -87,9 +89,6 @@ void add_loading(CLI::App* command, SceneLoadOptions& loading) {
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
-/// The words of a text, as a shell would take them apart.
-std::vector<std::string> words_of(const std::string& text) { return CLI::detail::split_up(text); }
-
 /// Who runs the cells of an experiment.
 struct ExecutorOptions {
     std::string name = "local";
@@ -124,7 +123,7 @@ void add_executor(CLI::App* command, ExecutorOptions& executor) {
 }
 
 int run_on(ExecutorOptions executor, const RunOptions& options) {
-    executor.slurm.user_options = words_of(executor.slurm.sbatch);
+    executor.slurm.user_options = CLI::detail::split_up(executor.slurm.sbatch);  // as a shell would
     if (!executor.job.empty()) return run_job(options, executor.slurm, executor.job, std::cout);
     if (executor.name == "local") {
         if (!executor.slurm.sbatch.empty()) throw InputError("--sbatch is for --on slurm");
@@ -159,6 +158,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_option("--seeds", options->seeds, "run seeds 1 to this number instead of the file's")
         ->check(CLI::Range(1, most_seeds));
     command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
+    command->add_flag("--quiet", options->quiet, "print warnings and errors only: no progress, no verdict");
     command->add_flag("--fresh", options->fresh,
                       "delete the measurements of the selected cells and measure them again (references are kept, "
                       "unless the scene's content has changed)");
@@ -246,6 +246,9 @@ void add_compare(CLI::App& app, Action& action) {
         ->expected(2, 1 << 20);
     command->add_option("--epsilon", options->epsilon, epsilon_help);
     command->add_flag("--json", options->json, "print JSON");
+    command->add_option(
+        "--png", options->png,
+        "file for a picture of the first image's difference: blue is darker than the reference, red brighter");
     command->add_flag("--other-scene", options->other_scene,
                       "compare images of another scene, or of another version of it, than the reference's, too");
     CLI::Option* z_test = command->add_flag(
@@ -322,21 +325,24 @@ void add_completion(CLI::App& app, Action& action) {
     });
 }
 
-void add_report(CLI::App& app, Action& action) {
+void add_of_folder(CLI::App& app, Action& action, const char* name, const char* sentence,
+                   int (*work)(const std::string&, std::ostream&)) {
     auto folder = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("report", "make the tables and report.html again from stored results alone");
+    CLI::App* command = app.add_subcommand(name, sentence);
     command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
-    perform_with(folder, command, action, [](const auto& path) { return rebuild_report(path, std::cout); });
+    perform_with(folder, command, action, [work](const auto& path) { return work(path, std::cout); });
 }
 
-void add_status(CLI::App& app, Action& action) {
-    auto folder = std::make_shared<std::string>();
+void add_compare_runs(CLI::App& app, Action& action) {
+    auto options = std::make_shared<CompareRunsOptions>();
     CLI::App* command = app.add_subcommand(
-        "status",
-        "say which cells of a run are done, running, waiting, failed and missing; exit code 1 if one has failed "
-        "or is missing");
-    command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
-    perform_with(folder, command, action, [](const auto& path) { return print_status(path, std::cout); });
+        "compare-runs", "say which methods have become better or worse from one run of an experiment to another");
+    command->add_option("OLD", options->before, "a folder of results")->required();
+    command->add_option("NEW", options->after, "a folder of results of the same scenes and labels")->required();
+    command->add_flag("--csv", options->csv, "print CSV");
+    command->add_flag("--fail-if-worse", options->fail_if_worse,
+                      "exit code 1 if a number is worse, or none is compared");
+    perform_with(options, command, action, [](const auto& o) { return compare_runs(o, std::cout); });
 }
 
 void add_photons(CLI::App& app, Action& action) {
@@ -455,6 +461,7 @@ int run_program(int argc, char** argv) {
     Action action;
     CLI::App app("gibench: what every step of accuracy costs in global illumination", "gibench");
     app.set_version_flag("--version", build_text());
+    app.formatter(narrow_help());
     app.require_subcommand(1);
     add_run(app, action, command_line);
     add_render(app, action);
@@ -462,8 +469,11 @@ int run_program(int argc, char** argv) {
     add_compare(app, action);
     add_plan(app, action);
     add_list(app, action);
-    add_report(app, action);
-    add_status(app, action);
+    add_of_folder(app, action, "report", "make the tables and report.html again from stored results alone",
+                  rebuild_report);
+    add_of_folder(app, action, "status", "count a run's cells by state; exit code 1 if one has failed or is missing",
+                  print_status);
+    add_compare_runs(app, action);
     add_photons(app, action);
     add_tune(app, action, command_line);
     add_completion(app, action);

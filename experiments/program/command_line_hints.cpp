@@ -1,6 +1,6 @@
 #include "experiments/program/command_line_hints.h"
 
-#include "experiments/text/nearest_word.h"
+#include "common/core/nearest_word.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
@@ -65,8 +65,7 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
         return fmt::format("{} needs a command; there are: {}", path, fmt::join(known, ", "));
     if (wrong == words.end()) return "";
     if (!known.empty() && !wrong->starts_with("-"))
-        return fmt::format("{} has no command '{}'{} There are: {}", path, *wrong,
-                           nearest_word(*wrong, known).empty() ? "." : did_you_mean(*wrong, known),
+        return fmt::format("{} has no command '{}'{} There are: {}", path, *wrong, did_you_mean_or_stop(*wrong, known),
                            fmt::join(known, ", "));
     return fmt::format("{}: '{}' is not expected{}", path, *wrong, advice(*command, *wrong));
 }

@@ -36,15 +36,32 @@ void warn_of_non_finite(const NonFinite& bad, std::uint64_t seed) {
         bad.first_pass, bad.first_pixel);
 }
 
-void print_plan_lines(const Plan& plan, std::ostream& out) {
-    for (const auto& step : plan.steps) {
-        if (step.runs) out << "runs: " << step.name << "\n";
-        else out << fmt::format("skipped: {} ({})\n", step.name, step.reason);
-    }
+std::vector<std::string> plan_lines(const ConfiguredMethod& method, const LoadedScene& loaded) {
+    const Plan plan = method.create({loaded.max_edges})->plan(*loaded.scene);
+    std::vector<std::string> lines;
+    for (const auto& step : plan.steps)
+        lines.push_back(step.runs ? fmt::format("runs: {}", step.name)
+                                  : fmt::format("skipped: {} ({})", step.name, step.reason));
     for (Effect e : plan.missing.list())
-        out << "missing: " << name_of(e) << "\n";
+        lines.push_back(fmt::format("missing: {}", name_of(e)));
     for (Component c : plan.unresolved)
-        out << "unresolved: " << name_of(c) << "\n";
+        lines.push_back(fmt::format("unresolved: {}", name_of(c)));
+    if (auto light = seldom_found_light(*loaded.scene, method.label); !light.empty())
+        lines.push_back("warning: " + light);
+    return lines;
+}
+
+bool has_line(const std::vector<std::string>& lines, const std::string& line) {
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+}
+
+/// The lines that all methods have, which are printed once.
+std::vector<std::string> common_lines(const std::vector<std::vector<std::string>>& methods) {
+    std::vector<std::string> common = methods.front();
+    std::erase_if(common, [&](const std::string& line) {
+        return !std::all_of(methods.begin(), methods.end(), [&](const auto& lines) { return has_line(lines, line); });
+    });
+    return common;
 }
 
 /// Warns of the effects of the scene that the method does not simulate, and of the components of which it leaves out
@@ -197,11 +214,15 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
     if (const std::string dark = darkness(*loaded.scene); !dark.empty()) out << "warning: " << dark << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
-    for (const auto& one : chosen) {
-        if (method.empty()) out << "method: " << one.label.name << "\n";
-        print_plan_lines(one.create({loaded.max_edges})->plan(*loaded.scene), out);
-        if (const auto light = seldom_found_light(*loaded.scene, one.label); !light.empty())
-            out << "warning: " << light << "\n";
+    std::vector<std::vector<std::string>> lines;
+    for (const auto& one : chosen)
+        lines.push_back(plan_lines(one, loaded));
+    const auto common = method.empty() ? common_lines(lines) : std::vector<std::string>();
+    if (!common.empty()) out << "\nevery method\n" << fmt::format("{}\n", fmt::join(common, "\n"));
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        if (method.empty()) out << "\nmethod: " << chosen[i].label.name << "\n";
+        for (const std::string& line : lines[i])
+            if (!has_line(common, line)) out << line << "\n";
     }
     return 0;
 }

@@ -1,9 +1,11 @@
 #include "experiments/program/compare.h"
 
+#include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/metrics/flip.h"
 #include "experiments/metrics/robust_error.h"
 #include "experiments/metrics/spectrum.h"
+#include "experiments/program/compare_words.h"
 #include "experiments/program/compare_z_test.h"
 #include "experiments/results/judgement.h"
 #include "experiments/text/json_record.h"
@@ -12,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -229,6 +232,19 @@ bool is_black(const Json& values) {
     return is_zero(values["mse"]) && all_zero("mean") && all_zero("reference_mean");
 }
 
+/// Warns of what is wrong with a file, so that its numbers say little.
+void warn_of_doubts(const CompareOptions& options, const std::vector<LayeredImage>& files, const Subject& total,
+                    const Reference& reference) {
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (const auto doubts = doubts_about_image(total.tests[i], total.reference.mean); !doubts.empty())
+            std::cerr << fmt::format("warning: {}: {}\n", options.tests[i], doubts);
+        if (files[i].find("stderr") && !reference.total.standard_error)
+            std::cerr << fmt::format(
+                "warning: {} has the standard error of a reference, but {} has none: the reference stands last\n",
+                options.tests[i], options.reference);
+    }
+}
+
 }  // namespace
 
 int compare(const CompareOptions& options, std::ostream& out) {
@@ -258,6 +274,13 @@ int compare(const CompareOptions& options, std::ostream& out) {
         for (const LayeredImage& file : files)
             subjects.back().second.tests.push_back(*file.find(name));
     }
+    const Subject& total = subjects.front().second;
+    warn_of_doubts(options, files, total, reference);
+    if (!options.png.empty()) {
+        const auto png = encode_png(difference_image(total.tests.front(), r, denominators.epsilon()), 1.f);
+        write_file(options.png, {reinterpret_cast<const char*>(png.data()), png.size()});
+    }
+    const std::string sentence = comparison_sentence(total.tests, total.reference, denominators);
     std::optional<ZTestReport> z;
     // Two references are always tested, with the errors of both.
     if (options.z_test || (files.size() == 1 && files.front().find("stderr") && reference.total.standard_error))
@@ -276,11 +299,13 @@ int compare(const CompareOptions& options, std::ostream& out) {
     }
     const int code = options.z_test && !z->accepted ? 1 : 0;
     if (options.json) {
+        json["sentence"] = sentence;
         if (z) json.update(z->json);
         json["components"] = components;
         out << json.dump(2) << '\n';
         return code;
     }
+    out << sentence << "\n";
     print_text(total_name, json, out);
     for (const auto& [name, values] : components.items())
         if (is_black(values)) out << name << ": black in the images and in the reference\n";

@@ -35,11 +35,11 @@ std::string line(const std::string& name, const std::string& text) { return fmt:
 /// The text "3 to 5" for `count` = 3 pixels from `first` = 3 on.
 std::string range_text(int first, int count) { return fmt::format("{} to {}", first, first + count - 1); }
 
-std::string percent_text(double share) { return fmt::format("{:+.4g} %", 100 * share); }
+std::string share_text(double share) { return fmt::format("{:+.4g} %", 100 * share); }
 
 std::string interval_text(const MeanDeviation& mean) {
     if (!mean.interval) return "[unknown]";
-    return fmt::format("[{}, {}]", percent_text(mean.interval->lo), percent_text(mean.interval->hi));
+    return fmt::format("[{}, {}]", share_text(mean.interval->lo), share_text(mean.interval->hi));
 }
 
 /// How the noise of the tested images is known.
@@ -121,7 +121,7 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
         const MeanDeviation& mean = total.means[k];
         const auto& i = mean.interval;
         if (i && i->lo >= -limits.margin && i->hi <= limits.margin) continue;
-        add(noisy, fmt::format("{} {} {}", rgb_names[k], percent_text(mean.value), interval_text(mean)));
+        add(noisy, fmt::format("{} {} {}", rgb_names[k], share_text(mean.value), interval_text(mean)));
         largest_share = std::max(largest_share, mean.reference_share);
     }
     if (!noisy.empty() && verdict.differs) add(differences, "deviation of the mean " + noisy);
@@ -189,7 +189,7 @@ ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
     }
     for (std::size_t k = 0; k < 3; ++k)
         report.text += line(fmt::format("mean of {}", rgb_names[k]),
-                            fmt::format("{}  {}", percent_text(first.means[k].value), interval_text(first.means[k])));
+                            fmt::format("{}  {}", share_text(first.means[k].value), interval_text(first.means[k])));
     report.text += line("verdict", reason.text);
     if (verdict.differs && !total.x.standard_error)
         report.text += line("",

@@ -1,8 +1,8 @@
 #include "experiments/program/shipped_files.h"
 
+#include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 #include "experiments/system/build_info.h"
-#include "experiments/text/nearest_word.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -30,8 +30,13 @@ std::string file_or_shipped(const std::string& path_or_name, std::string_view ki
     const auto names = names_in(folder, extension);
     if (std::find(names.begin(), names.end(), path_or_name) != names.end())
         return (folder / (path_or_name + extension)).string();
-    reject({path_or_name}, "there is no such file, and no {} of that name (`gibench list {}s`){}", kind, kind,
-           did_you_mean(fs::path(path_or_name).stem().string(), names));
+    const fs::path path(path_or_name);
+    std::string nearest = did_you_mean(path.stem().string(), names);
+    if (nearest.empty() && path.extension() == extension)
+        nearest =
+            did_you_mean(path.stem().string(), names_in(path.has_parent_path() ? path.parent_path() : ".", extension));
+    throw InputError(fmt::format("{}: there is no such file, and no {} of that name (`gibench list {}s`){}",
+                                 path_or_name, kind, kind, nearest));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "experiments/report/error_words.h"
 #include "experiments/report/field_text.h"
 #include "experiments/text/numbers.h"
+#include "methods/parameters.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +18,17 @@ namespace gib {
 
 namespace {
 
-std::string in_brackets(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
+/// What is known of a time, as multiples of another one. The interval of the time alone is not that of the ratio.
+Field times_as_much(Field time, double factor) {
+    const bool is_number =
+        time.state == State::measured || time.state == State::at_least || time.state == State::extrapolated;
+    if (!is_number) return {};
+    time.value *= factor;
+    if (time.state == State::extrapolated && time.interval)
+        time.interval = Interval{time.interval->lo * factor, time.interval->hi * factor};
+    else time.interval.reset();
+    return time;
+}
 
 std::optional<double> mean_error2(const Runs& cells, Layer layer, double seconds) {
     const auto errors2 = errors2_by(cells, layer, seconds);
@@ -30,17 +41,18 @@ public:
     Answers(const Analysis& analysis, std::string scene)
         : analysis_(analysis), scene_(std::move(scene)), contest_(analysis, scene_) {}
 
-    std::vector<std::string> all() const {
-        if (!contest_.is_judged() && contest_.methods() > 1)
-            return {fmt::format("No method is the cheapest: the reference does not judge the light of {}.",
-                                words_of(analysis_.unjudged(scene_), "`"))};
-        std::vector<std::string> answers;
-        if (judged_methods() > 1)
-            for (const std::size_t target : asked_targets) {
-                const auto ranking = contest_.to_error(target);
-                answers.push_back(best_of(ranking) ? with_winner(ranking, target) : without_winner(target));
-            }
-        return answers;
+    std::vector<VerdictRow> verdict() const {
+        if (contest_.methods() == 0) return {};
+        if (!contest_.is_judged())
+            return {VerdictRow{.remark = fmt::format("the reference does not judge the light of {}",
+                                                     words_of(analysis_.unjudged(scene_)))}};
+        std::vector<VerdictRow> rows;
+        for (const std::size_t target : asked_targets) {
+            const auto ranking = contest_.to_error(target);
+            const auto of_target = best_of(ranking) ? with_winner(ranking, target) : without_winner(target);
+            rows.insert(rows.end(), of_target.begin(), of_target.end());
+        }
+        return rows;
     }
 
     ShortAnswer short_answer(std::size_t target) const {
@@ -54,28 +66,24 @@ public:
         const auto closest = contest_.by_final_images();
         const TableRow* first = closest.empty() ? nullptr : analysis_.row(scene_, closest.front().method, Layer::total);
         if (!first || !first->statistics) return {"not reached", ""};
-        // Its time by the fitted law, if there is one.
-        const Field time = time_field(*first, target);
+        // Its error, and the time to the target by the fitted law, if there is one.
+        const Field time = time_field(*first, target), error = row_of(first->method, target, INFINITY).error;
         const bool has_time = time.state == State::extrapolated || time.state == State::at_least;
-        return {"not reached", fmt::format("closest: {}{}{}", first->method, has_time ? ", " + line_of(time, " s") : "",
+        return {"not reached", fmt::format("closest: {}, {} after {} s{}{}", first->method, line_of(error, " %"),
+                                           short_number(first->seconds), has_time ? "; " + line_of(time, " s") : "",
                                            after_comma(doubts(closest)))};
     }
 
 private:
     const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
-    std::size_t judged_methods() const {
-        return static_cast<std::size_t>(std::count_if(
-            analysis_.rows.begin(), analysis_.rows.end(),
-            [&](const TableRow& r) { return r.scene == scene_ && r.layer == Layer::total && r.statistics; }));
-    }
     /// The page's head has no code.
     static std::string after_comma(std::string text) {
         std::erase(text, '`');
         return text.empty() ? "" : ", " + text;
     }
 
-    /// A text with the components' shares of the sum of their squared errors after `seconds`, largest first, without those
-    /// below half a percent; empty if there is none.
+    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below half a
+    /// percent: "90 % caustic, 10 % indirect"; empty if there is none.
     std::string parts_of_error(const Runs& cells, double seconds) const {
         double sum = 0;
         std::vector<std::pair<double, Layer>> parts;
@@ -89,87 +97,87 @@ private:
         std::string text;
         for (const auto& [error2, layer] : parts)
             if (error2 >= 0.005 * sum)
-                text += fmt::format(", {:.0f} % {}in `{}`", 100 * error2 / sum,
-                                    text.empty() ? "of its squared error " : "", name_of(layer));
+                text += fmt::format("{}{:.0f} % {}", text.empty() ? "" : ", ", 100 * error2 / sum, name_of(layer));
         return text;
     }
 
-    /// Says how large the error of a method is after `seconds` (if infinite: that of its final images, as in the table of
-    /// errors), which component has most of it, what the method leaves out and, if `with_time`, when it reaches the
-    /// target: why it is behind one that has reached the target by then.
-    std::string what_keeps(const std::string& method, std::size_t target, double seconds, bool with_time) const {
+    /// A method with its error after `seconds` (if infinite: that of its final images, as in the table of errors).
+    VerdictRow row_of(const std::string& method, std::size_t target, double seconds) const {
         const Runs& cells = contest_.cells().at(method);
         const TableRow& of = row(method);
-        const bool ended = of.seconds < seconds && !have_converged(cells);
-        std::string text = fmt::format("fter {} s `{}` has ", short_number(ended ? of.seconds : seconds), method);
         const auto error2 = mean_error2(cells, Layer::total, seconds);
-        if (!error2) text += "no image yet";
-        else if (!(*error2 > contest_.noise_floor())) text += "an error below what the reference resolves";
-        else
-            text += line_of(measured(*error2, Unit::root), " %") + parts_of_error(cells, seconds) +
-                    in_brackets(error_kind(of));
-        if (ended && std::isfinite(seconds)) text += ", and was not run longer";
-        if (!of.effects_missing.empty()) text += ", leaves out " + words_of(of.effects_missing);
-        if (!of.components_missing.empty()) text += ", leaves out light of " + words_of(of.components_missing, "`");
-        const std::string time = with_time ? line_of(time_field(of, target)) : "";
-        return text + (time.empty() ? "." : fmt::format("; seconds to {} %: {}.", target_names[target], time));
+        std::string remark = left_out(of).empty() ? "" : "leaves out " + left_out(of);
+        if (of.seconds < seconds && std::isfinite(seconds) && !have_converged(cells))
+            remark += std::string(remark.empty() ? "" : "; ") + "not run longer";
+        return {.target = target,
+                .method = method,
+                .seconds = time_field(of, target),
+                .error = error2 ? resolved({*error2, {}}, contest_.noise_floor())
+                                : Field{State::no_image, first_image_of_all(cells)},
+                .parts = parts_of_error(cells, seconds),
+                .kind = error_kind(of),
+                .remark = std::move(remark)};
     }
 
-    /// For each method name other than the winner's, the label that comes closest to the target.
-    std::vector<std::string> best_of_other_names(const std::vector<Contender>& ranking, double seconds) const {
-        const auto name = [](const std::string& method) { return method.substr(0, method.find(' ')); };
-        std::set<std::string> named = {name(ranking.front().method)};
+    /// For each method name other than the first one's, the label that stands first.
+    std::vector<std::string> best_of_other_names(const std::vector<std::string>& methods) const {
+        std::set<std::string> named = {name_in(methods.front())};
         std::vector<std::string> best;
-        const auto add = [&](const Contender& c) {
-            if (named.insert(name(c.method)).second) best.push_back(c.method);
-        };
-        for (const Contender& c : ranking)
-            if (c.known == Contender::Known::equal) add(c);
-        for (const Contender& c : contest_.after(seconds))
-            if (analysis_.row(scene_, c.method, Layer::total)) add(c);
+        for (const std::string& method : methods)
+            if (analysis_.row(scene_, method, Layer::total) && named.insert(name_in(method)).second)
+                best.push_back(method);
         return best;
     }
+    std::string name_in(const std::string& method) const { return MethodLabel::parse(analysis_.label_of(method)).name; }
 
-    std::string with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
-        const TableRow& winner = row(ranking.front().method);
-        const Estimate& time = *winner.times[target];
-        const bool is_known = doubts_about(winner.method, ranking).open.empty();
-        std::string text = fmt::format("`{}` {} {} %{}: {} s", winner.method,
-                                       is_known ? "is the cheapest at" : "is the first that was seen to reach",
-                                       target_names[target], in_brackets(doubts(ranking)), with_interval(time));
-        if (winner.prepare_seconds > 0.1 * time.value)
-            text += fmt::format(", of which {} s are preparation", short_number(winner.prepare_seconds));
-        text += ".";
-        if (const std::string kind = error_kind(winner); !kind.empty()) text += fmt::format(" Its error: {}.", kind);
-        const bool has_next =
-            ranking.size() > 1 && ranking[1].is_complete && ranking[1].known == Contender::Known::equal;
-        if (has_next)
-            text += fmt::format(" `{}` takes {} times as long{}.", ranking[1].method,
-                                short_number(row(ranking[1].method).times[target]->value / time.value),
-                                ranking[1].standing == Standing::tie ? " (a tie)" : "");
-        for (const std::string& other : best_of_other_names(ranking, time.value))
-            text += " A" + what_keeps(other, target, time.value, !has_next || other != ranking[1].method);
-        return text;
+    std::vector<VerdictRow> with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
+        const Contender& best = ranking.front();
+        const double seconds = row(best.method).times[target]->value;
+        std::vector<std::string> methods;
+        for (const Contender& c : ranking)
+            if (c.known == Contender::Known::equal) methods.push_back(c.method);
+        for (const Contender& c : contest_.after(seconds))
+            methods.push_back(c.method);
+        std::vector<std::string> shown = best_of_other_names(methods);
+        if (ranking.size() > 1 && ranking[1].is_complete && ranking[1].known == Contender::Known::equal &&
+            std::find(shown.begin(), shown.end(), ranking[1].method) == shown.end())
+            shown.insert(shown.begin(), ranking[1].method);
+
+        std::vector<VerdictRow> rows = {row_of(best.method, target, seconds)};
+        rows[0].is_best = true;
+        rows[0].factor = measured(1);
+        rows[0].remark = ranking.size() == 1                               ? ""
+                         : doubts_about(best.method, ranking).open.empty() ? "cheapest"
+                                                                           : "first that was seen to reach it";
+        if (const std::string doubt = doubts(ranking); !doubt.empty()) rows[0].remark += ", " + doubt;
+        for (const std::string& method : shown) {
+            VerdictRow& other = rows.emplace_back(row_of(method, target, seconds));
+            other.factor = times_as_much(other.seconds, 1 / seconds);
+            const bool is_tie = std::any_of(ranking.begin(), ranking.end(), [&](const Contender& c) {
+                return c.method == method && c.standing == Standing::tie;
+            });
+            if (is_tie) other.remark = "tie with the best";
+        }
+        return rows;
     }
 
-    std::string without_winner(std::size_t target) const {
+    std::vector<VerdictRow> without_winner(std::size_t target) const {
         if (!is_target_resolved(target, contest_.noise_floor()))
-            return fmt::format("The reference does not resolve {} %, only {} %.", target_names[target],
-                               percent_text(std::sqrt(contest_.noise_floor())));
-        const bool any_reached = std::any_of(analysis_.rows.begin(), analysis_.rows.end(), [&](const TableRow& r) {
-            return r.scene == scene_ && r.layer == Layer::total && r.times[target].has_value();
-        });
+            return {{.target = target,
+                     .remark = fmt::format("the reference resolves {} % only",
+                                           percent_text(std::sqrt(contest_.noise_floor())))}};
         const auto closest = contest_.by_final_images();
-        return fmt::format("No method {}reached {} %{}. Closest{}: a{}",
-                           any_reached ? "with all light of the scene " : "", target_names[target],
-                           seeds_that_reached(target), in_brackets(doubts(closest)),
-                           what_keeps(closest.front().method, target, INFINITY, true));
-    }
-    std::string seeds_that_reached(std::size_t target) const {
-        const bool some = std::any_of(analysis_.rows.begin(), analysis_.rows.end(), [&](const TableRow& r) {
-            return r.scene == scene_ && r.layer == Layer::total && !r.times[target] && r.reached[target] > 0;
-        });
-        return some ? " with all seeds" : "";
+        std::vector<std::string> methods;
+        for (const Contender& c : closest)
+            methods.push_back(c.method);
+        if (const TableRow* first = analysis_.row(scene_, methods.front(), Layer::total); !first || !first->statistics)
+            return {};
+        std::vector<VerdictRow> rows = {row_of(methods.front(), target, INFINITY)};
+        const std::string doubt = doubts(closest), &left = rows[0].remark;
+        rows[0].remark = "closest" + (doubt.empty() ? "" : ", " + doubt) + (left.empty() ? "" : "; " + left);
+        for (const std::string& method : best_of_other_names(methods))
+            rows.push_back(row_of(method, target, INFINITY));
+        return rows;
     }
 
     const Analysis& analysis_;
@@ -179,8 +187,8 @@ private:
 
 }  // namespace
 
-std::vector<std::string> price_answers(const Analysis& analysis, const std::string& scene) {
-    return Answers(analysis, scene).all();
+std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& scene) {
+    return Answers(analysis, scene).verdict();
 }
 
 ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target) {

@@ -2,6 +2,7 @@
 
 #include "common/core/files.h"
 #include "experiments/analysis/same_method.h"
+#include "experiments/analysis/short_names.h"
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 #include "experiments/report/look_words.h"
@@ -106,6 +107,8 @@ data sections_data(const std::vector<Section>& all, const Analysis& analysis, co
                                   {"columns", columns},
                                   {"table", !columns.empty()},
                                   {"rows", rows},
+                                  {"verdict", section.kind == Section::Kind::verdict},
+                                  {"bias_laws", section.kind == Section::Kind::bias_laws},
                                   {"noise", section.kind == Section::Kind::noise}});
     }
     return sections;
@@ -148,7 +151,7 @@ data scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
     const auto of_scene = [&](const Section::Row& row) { return row.scene == quality.scene; };
     std::vector<Section> words, tables;
     for (const Section& section : all)
-        if (section.kind == Section::Kind::words) words.push_back(section);
+        if (section.kind == Section::Kind::words || section.kind == Section::Kind::verdict) words.push_back(section);
         else if (section.kind != Section::Kind::looks && section.kind != Section::Kind::warnings)
             tables.push_back(section);
     const data tables_of_scene = sections_data(tables, analysis, of_scene);
@@ -250,11 +253,12 @@ json scale_json(ColorScale colors) {
 }  // namespace
 
 std::string markdown_table(const Analysis& analysis) {
-    return filled(embedded_file("report_page/table.mustache"), page_data(one_label_a_method(analysis)), markdown_text);
+    return filled(embedded_file("report_page/table.mustache"),
+                  page_data(with_short_names(one_label_a_method(analysis))), markdown_text);
 }
 
 std::string report_html(const Analysis& whole, const ResultFolder& folder, std::vector<std::string>* damage) {
-    const Analysis analysis = one_label_a_method(whole);
+    const Analysis analysis = with_short_names(one_label_a_method(whole));
     ReportPictures pictures = report_pictures(analysis, folder);
     if (damage) damage->insert(damage->end(), pictures.damage.begin(), pictures.damage.end());
     json numbers = report_data(analysis);
@@ -273,7 +277,7 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
                                         "report_page/charts.js", "report_page/pixels.js", "report_page/sources.js",
                                         "report_page/controls.js", "report_page/viewer.js", "report_page/gestures.js",
                                         "report_page/pyramid.js", "report_page/panel.js", "report_page/strip.js",
-                                        "report_page/tuning.js", "report_page/page.js"});
+                                        "report_page/tuning.js", "report_page/sweeps.js", "report_page/page.js"});
     return filled(embedded_file("report_page/page.html"), page, sentence_html);
 }
 

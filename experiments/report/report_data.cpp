@@ -1,9 +1,11 @@
 #include "experiments/report/report_data.h"
 
+#include "experiments/analysis/comparison.h"
 #include "experiments/analysis/curves.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -26,6 +28,8 @@ Estimate root_of_mean(const std::vector<double>& squares) {
     root.interval = Interval{root.value * std::exp(-half), root.value * std::exp(half)};
     return root;
 }
+
+const Estimate no_estimate{std::numeric_limits<double>::quiet_NaN(), std::nullopt};
 
 void append(json& numbers, const Estimate& e) {
     numbers.push_back(number_to_json(e.value));
@@ -87,10 +91,45 @@ json spectra_of(const Analysis& analysis, const std::string& scene, Layer layer)
     return spectra;
 }
 
+/// A point of a sweep: x, bias^2 and variance with their intervals, and the mean squared error.
+json point_of(double x, const TableRow& row) {
+    json point = {number_to_json(x)};
+    append(point, row.statistics && row.statistics->bias2 ? *row.statistics->bias2 : no_estimate);
+    append(point, row.statistics && row.statistics->variance ? *row.statistics->variance : no_estimate);
+    point.push_back(row.statistics ? number_to_json(row.statistics->mse.value) : json(nullptr));
+    return point;
+}
+
+/// The sweeps of a scene: for each method and parameter the points and the law of each component.
+json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
+    json sweeps = json::array();
+    for (const BiasLaw& law : laws) {
+        if (law.scene != scene) continue;
+        auto sweep = std::find_if(sweeps.begin(), sweeps.end(), [&](const json& s) {
+            return s["method"] == law.method && s["parameter"] == law.parameter;
+        });
+        if (sweep == sweeps.end())
+            sweep = sweeps.insert(
+                sweeps.end(),
+                json{{"method", law.method}, {"parameter", law.parameter}, {"components", json::object()}});
+        json points = json::array(), exponent = json::array();
+        for (const auto& [x, row] : law.rows)
+            points.push_back(point_of(x, *row));
+        if (law.exponent) append(exponent, *law.exponent);
+        (*sweep)["components"][std::string(name_of(law.layer))] = {
+            {"points", std::move(points)},
+            {"exponent", law.exponent ? exponent : json(nullptr)},
+            {"resolved", law.resolved_count},
+            {"theory", law.theory ? json(*law.theory) : json(nullptr)}};
+    }
+    return sweeps;
+}
+
 }  // namespace
 
 json report_data(const Analysis& analysis) {
     json scenes = json::object();
+    const std::vector<BiasLaw> laws = bias_laws(analysis);
     for (const auto& quality : analysis.references) {
         const std::string& scene = quality.scene;
         json entry = {{"components", json::array()},
@@ -104,6 +143,7 @@ json report_data(const Analysis& analysis) {
             entry["spectra"][name] = spectra_of(analysis, scene, layer);
             entry["noise_floor"][name] = std::sqrt(analysis.noise_floor(scene, layer));
         }
+        entry["sweeps"] = sweeps_of(laws, scene);
         scenes[scene] = std::move(entry);
     }
     return {{"methods", analysis.index.methods}, {"targets", target_errors}, {"scenes", std::move(scenes)}};

@@ -1,6 +1,7 @@
 #include "experiments/report/report_pictures.h"
 
 #include "common/images/image_file.h"
+#include "experiments/metrics/student_t.h"
 #include "experiments/report/image_pack.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/results/frames.h"
@@ -61,30 +62,48 @@ struct SceneFiles {
             if (cell.scene == scene && cell.method == method) found.push_back(&cell);
         return found;
     }
-    LayeredImage image(const Cell& cell) const {
-        return read_image(folder.cell_image(cell_folder_name(scene, cell.method, cell.seed)));
+    std::string folder_of(const Cell& cell) const {
+        return cell_folder_name(scene, analysis.label_of(cell.method), cell.seed);
     }
+    LayeredImage image(const Cell& cell) const { return read_image(folder.cell_image(folder_of(cell))); }
 };
 
-/// The bias of each pixel: the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon).
-std::vector<float> relative_bias(const SceneFiles& files, const std::vector<const Cell*>& cells,
-                                 const Judgement& judgement, int reduction) {
+/// The bias of each pixel, the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon), and half the width of its
+/// 95 % interval, from the scatter of the seeds and the reference's standard error.
+struct BiasMap {
+    std::vector<float> bias, half_width;
+};
+
+BiasMap relative_bias(const SceneFiles& files, const std::vector<const Cell*>& cells, const Judgement& judgement,
+                      int reduction) {
     const Image r = reduced(judgement.total().mean, reduction);
-    std::vector<double> sum(r.rgb.size(), 0.0);
+    const double epsilon = judgement.epsilon(files.analysis.index.epsilon);
+    // The mean over the channels of a difference, relative to the reference's pixel.
+    const auto relative = [&](std::size_t pixel, const auto& difference) {
+        double sum = 0;
+        for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i)
+            sum += difference(i) / std::sqrt(sqr(double{r.rgb[i]}) + epsilon) / 3;
+        return sum;
+    };
+    std::vector<std::vector<double>> values(r.pixels());  // by pixel, for each seed
     for (const Cell* cell : cells) {
         const Image x = reduced(judgement.total_of(files.image(*cell)), reduction);
-        for (std::size_t i = 0; i < sum.size(); ++i)
-            sum[i] += static_cast<double>(x.rgb[i]);
+        for (std::size_t p = 0; p < r.pixels(); ++p)
+            values[p].push_back(relative(p, [&](std::size_t i) { return double{x.rgb[i]} - double{r.rgb[i]}; }));
     }
-    std::vector<float> bias(r.pixels(), 0.f);
-    const auto n = static_cast<double>(cells.size());
-    const double epsilon = judgement.epsilon(files.analysis.index.epsilon);
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-        const auto reference = static_cast<double>(r.rgb[i]);
-        const double error = (sum[i] / n - reference) / std::sqrt(sqr(reference) + epsilon);
-        bias[i / 3] += static_cast<float>(error / 3);
+    const auto& own = judgement.total().standard_error;
+    const Image deviation = own ? reduced(*own, reduction) : Image(r.width, r.height);
+    constexpr double unknown = 1e4;  // of one seed
+    BiasMap map;
+    for (std::size_t p = 0; p < r.pixels(); ++p) {
+        const SampleMean mean = sample_mean(values[p]);
+        // The noise of the channels, and of the pixels that are averaged, is taken for dependent.
+        const double of_reference = relative(p, [&](std::size_t i) { return double{deviation.rgb[i]}; });
+        const double half = half_width({mean.variance, {sqr(of_reference), INFINITY}}, interval_tail);
+        map.bias.push_back(static_cast<float>(mean.value));
+        map.half_width.push_back(static_cast<float>(std::isfinite(half) ? std::min(half, unknown) : unknown));
     }
-    return bias;
+    return map;
 }
 
 json parts_of(const LayeredImage& file, int reduction, Store& store) {
@@ -122,8 +141,9 @@ json method_entry(const SceneFiles& files, std::size_t method, const Judgement& 
                   {"frames", json::array()}};
     const auto bias = relative_bias(files, cells, judgement, reduction);
     const Image size = reduced(judgement.total().mean, reduction);
-    entry["bias"] = store.add(pack_half(bias, size.width, size.height, 1));
-    const std::string map = files.folder.flip_map(cell_folder_name(files.scene, label, 1));
+    entry["bias"] = store.add(pack_half(bias.bias, size.width, size.height, 1));
+    entry["bias_half_width"] = store.add(pack_half(bias.half_width, size.width, size.height, 1));
+    const std::string map = files.folder.flip_map(files.folder_of(first));
     if (std::filesystem::exists(map)) {
         const FlipMap flip = flip_values(read_image(map).layers.front().second);
         Image grey(flip.width, flip.height);
@@ -202,11 +222,12 @@ std::vector<PackedFrame> all_frames(const Analysis& analysis, const ResultFolder
     for (const auto& [scene, entry] : scenes.items())
         for (std::size_t i = 1; i < entry.at("images").size(); ++i) {
             const std::string& label = analysis.index.methods[entry["images"][i]["method"].get<std::size_t>()];
-            const Cell& cell = *SceneFiles{analysis, folder, scene}.cells(label).front();
+            const SceneFiles files{analysis, folder, scene};
+            const Cell& cell = *files.cells(label).front();
             for (const auto& [checkpoint, errors] : cell.checkpoints) {
                 if (!keeps_frame(1, checkpoint.passes, cell.last().passes)) continue;
                 std::string said;
-                const auto image = read_frame(folder, cell_folder_name(scene, label, 1), checkpoint.passes, &said);
+                const auto image = read_frame(folder, files.folder_of(cell), checkpoint.passes, &said);
                 if (!said.empty()) damage.push_back(said + "; the image on the way is left out");
                 if (!image) continue;
                 const Image small = reduced(*image, 1 << halvings);

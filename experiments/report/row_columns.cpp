@@ -266,6 +266,10 @@ void add_laws(Columns& c) {
             {name + "_law", "s", fmt::format("`{}` by the fitted law; a lower bound if the state is `at least`", name)},
             in_states(time(t), State::extrapolated, State::at_least));
     }
+    c.text({"label", "",
+            "name of the method in `table.md`, the report and figures: the key `label` of the experiment "
+            "file, else the method, with the settings that vary"},
+           &TableRow::name);
 }
 
 }  // namespace

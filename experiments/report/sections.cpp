@@ -121,8 +121,7 @@ bool is_black(const Footing& footing) { return footing.energy.value == 0 && foot
 Section footing_section(const Analysis& analysis) {
     Section section{
         "Equal footing", "Mean energy against the reference's, with 99 % intervals.", {}, {}, Section::Kind::words};
-    const bool one_seed = analysis.index.seeds < 2;
-    if (one_seed) section.sentence += " One seed has no interval: run with two seeds or more.";
+    if (analysis.index.seeds < 2) section.sentence += " One seed has no interval: run with two seeds or more.";
     const auto warnings = footing_warnings(analysis);
     for (const auto& scene : scenes_of(analysis)) {
         std::map<FootingVerdict, int> counts;
@@ -135,23 +134,50 @@ Section footing_section(const Analysis& analysis) {
             {.scene = scene,
              .sentence =
                  fmt::format("of {} components and totals that are not black {} agree within {:.0f} %, {} differ, "
-                             "{} cannot be told.",
+                             "{} cannot be told (their intervals: `energy_excess` of `table.csv`).",
                              all, agree, 100 * footing_tolerance, differ, unresolved)});
-        for (const Warning& w : warnings) {
-            const bool differs = w.kind == Warning::Kind::energy_differs;
-            if (w.scene == scene && (differs || !one_seed))
-                section.rows.push_back(
-                    {.scene = scene, .sentence = differs ? sentence_of(w) : w.sentence + ".", .is_warning = differs});
-        }
+        for (const Warning& w : warnings)
+            if (w.scene == scene)
+                section.rows.push_back({.scene = scene, .sentence = sentence_of(w), .is_warning = true});
     }
     return section;
 }
 
-Section answers_section(const Analysis& analysis) {
-    Section section{"Which method is cheapest, and why", "", {}, {}, Section::Kind::words};
+Entry entry_of(Field field, Mark mark) {
+    Entry entry{field};
+    entry.mark = mark;
+    return entry;
+}
+
+Section verdict_section(const Analysis& analysis) {
+    Section section{
+        "Which method is cheapest, and why",
+        "Seconds to the relative RMSE on the left. The error is that after the best one's time; where no method has "
+        "reached it, that of the final images. Bias or noise: of the final images.",
+        {words("to reach"),
+         words("method"),
+         {"seconds"},
+         {"times the best"},
+         {"relative RMSE % then"},
+         words("of its squared error"),
+         words("bias or noise"),
+         words("remarks")},
+        {},
+        Section::Kind::verdict};
     for (const auto& scene : scenes_of(analysis))
-        for (const std::string& answer : price_answers(analysis, scene))
-            section.rows.push_back({.scene = scene, .sentence = answer});
+        for (const VerdictRow& v : verdict(analysis, scene))
+            section.rows.push_back(
+                {.scene = scene,
+                 .entries = {{v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
+                             method_entry(v.method, v.method.empty() ? "none" : v.method),
+                             entry_of(v.seconds, v.is_best                 ? Mark::best
+                                                 : v.seconds.is_measured() ? Mark::none
+                                                                           : Mark::grey),
+                             {v.factor},
+                             {v.error},
+                             {v.parts},
+                             {v.kind},
+                             {v.remark}}});
     return section;
 }
 
@@ -238,16 +264,32 @@ Section frontier_section(const Analysis& analysis) {
 Section bias_law_section(const Analysis& analysis) {
     Section section{
         "How bias falls",
-        "bias^2 = c x^-p over the values x of one parameter, 95 % interval; values whose bias is below what "
-        "the reference resolves are left out.",
-        {words("component"), words("method"), words("parameter"), {"values fitted"}, {"p"}}};
+        "bias^2 = c x^-p over the values x of one parameter, 95 % interval. Only values whose bias^2 is above 0 with "
+        "its "
+        "whole interval are fitted, and three are needed. Theory: where light is smooth.",
+        {words("component"), words("method"), words("parameter"), {"values fitted"}, {"p"}, {"p by theory"}},
+        {},
+        Section::Kind::bias_laws};
     for (const BiasLaw& law : bias_laws(analysis))
-        section.rows.push_back({.scene = law.scene,
-                                .entries = {{std::string(name_of(law.layer))},
-                                            {law.method},
-                                            {law.parameter},
-                                            {fmt::format("{} of {}", law.resolved_count, law.values.size())},
-                                            {measured(law.exponent)}}});
+        if (law.resolved_count > 0 || law.layer == Layer::total)
+            section.rows.push_back({.scene = law.scene,
+                                    .entries = {{std::string(name_of(law.layer))},
+                                                {law.method},
+                                                {law.parameter},
+                                                {fmt::format("{} of {}", law.resolved_count, law.rows.size())},
+                                                {law.exponent ? measured(*law.exponent) : Field{State::not_resolved}},
+                                                {law.theory ? measured(*law.theory) : Field{}}}});
+    return section;
+}
+
+/// The settings that short names leave out.
+Section settings_section(const Analysis& analysis) {
+    Section section{"Settings", "All settings that the experiment file gives.", {words("method"), words("label")}};
+    for (const TableRow& row : analysis.rows)
+        if (row.layer == Layer::total && analysis.label_of(row.method) != row.method)
+            section.rows.push_back(
+                {.scene = row.scene,
+                 .entries = {method_entry(row.method, row.method), {analysis.label_of(row.method)}}});
     return section;
 }
 
@@ -292,7 +334,7 @@ std::vector<Section> sections(const Analysis& analysis) {
     std::vector<Section> all = {
         warning_section(analysis),
         look_section(analysis),
-        answers_section(analysis),
+        verdict_section(analysis),
         footing_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
@@ -317,6 +359,7 @@ std::vector<Section> sections(const Analysis& analysis) {
         frontier_section(analysis),
         bias_law_section(analysis),
         stages_section(analysis),
+        settings_section(analysis),
     };
     std::erase_if(all, [](const Section& section) { return section.rows.empty(); });
     return all;

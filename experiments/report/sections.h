@@ -22,7 +22,7 @@ struct Entry {
 };
 
 struct Section {
-    enum class Kind { warnings, words, table, looks, noise, stages };
+    enum class Kind { warnings, verdict, words, table, looks, noise, bias_laws, stages };
     struct Column {
         std::string heading;
         bool of_words = false;  ///< words stand on the left

@@ -1,6 +1,7 @@
 #include "experiments/report/tables.h"
 
 #include "common/core/files.h"
+#include "experiments/analysis/comparison.h"
 #include "experiments/report/report.h"
 #include "experiments/report/row_columns.h"
 #include "experiments/text/numbers.h"
@@ -65,7 +66,19 @@ const std::vector<DeclaredTable>& csv_files() {
           method,
           seed,
           {"stage", "", "part of the work, such as `gather`; `other` is what belongs to no stage"},
-          {"seconds", "s", "charged wall-clock time of the stage"}}}};
+          {"seconds", "s", "charged wall-clock time of the stage"}}},
+        {"bias_laws.csv",
+         "how bias falls: a row for each scene, method, component and parameter with three values or more",
+         {scene,
+          {"method", "", "label without the parameter"},
+          {"parameter", "", "name of the parameter x"},
+          component,
+          {"values", "", "number of values of the parameter"},
+          {"resolved", "", "number of values at which bias^2 is above 0 with its whole interval; three are needed"},
+          {"exponent", "", "p of the fitted law bias^2 = c x^-p"},
+          {"exponent_lo", "", "lower end of the 95 % interval of `exponent`"},
+          {"exponent_hi", "", "upper end of the 95 % interval of `exponent`"},
+          {"theory", "", "p by theory, where light is smooth"}}}};
     return files;
 }
 
@@ -124,12 +137,27 @@ CsvTable stages_table(const Analysis& analysis) {
     return table;
 }
 
+CsvTable bias_law_table(const Analysis& analysis) {
+    CsvTable table = table_of("bias_laws.csv");
+    for (const BiasLaw& law : bias_laws(analysis)) {
+        const auto end = [&](double Interval::*member) {
+            return law.exponent && law.exponent->interval ? csv_number((*law.exponent->interval).*member) : "";
+        };
+        table.add({law.scene, law.method, law.parameter, std::string(name_of(law.layer)),
+                   std::to_string(law.rows.size()), std::to_string(law.resolved_count),
+                   law.exponent ? csv_number(law.exponent->value) : "", end(&Interval::lo), end(&Interval::hi),
+                   law.theory ? csv_number(*law.theory) : ""});
+    }
+    return table;
+}
+
 void write_tables(const Analysis& analysis, const ResultFolder& folder) {
     write_file(folder.file("curves.csv"), curves_table(analysis).text());
     write_file(folder.file("table.csv"), error_table(analysis).text());
     write_file(folder.file("table.md"), markdown_table(analysis));
     write_file(folder.file("spectra.csv"), spectra_table(analysis).text());
     write_file(folder.file("stages.csv"), stages_table(analysis).text());
+    write_file(folder.file("bias_laws.csv"), bias_law_table(analysis).text());
 }
 
 }  // namespace gib

@@ -16,8 +16,9 @@ CsvTable curves_table(const Analysis& analysis);
 CsvTable error_table(const Analysis& analysis);
 CsvTable spectra_table(const Analysis& analysis);
 CsvTable stages_table(const Analysis& analysis);
+CsvTable bias_law_table(const Analysis& analysis);
 
-/// Writes curves.csv, table.csv, table.md, spectra.csv and stages.csv.
+/// Writes curves.csv, table.csv, table.md, spectra.csv, stages.csv and bias_laws.csv.
 void write_tables(const Analysis& analysis, const ResultFolder& folder);
 
 }  // namespace gib

@@ -75,6 +75,8 @@
     });
     place.append(component.whole, metric.whole,
       methodToggles(state, entry.curves[entry.components[0]] ?? [], () => charts.draw()));
+    const sweeps = section.querySelector(".sweep-charts");
+    if (sweeps) for (const sweep of entry.sweeps) report.sweeps.setUp(sweeps, sweep);
     chooseRows(section, state.component);
     charts.draw();
     report.onScheme(() => charts.draw());

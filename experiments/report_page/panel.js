@@ -167,7 +167,7 @@ report.panel = (() => {
       const end = percent(viewer.largestError / 2 ** this.state.amplification);
       const [low, high, words] = {
         error: ["0", `${end} and more`, "relative error of a pixel, |x − r| / √(r² + ε), mean of the channels"],
-        bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels"],
+        bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels; grey: the seeds do not tell it from 0"],
         FLIP: ["0", "1", "FLIP: how much of a difference a viewer sees at 67 pixels per degree"],
       }[name];
       const colors = data.scales[name.toLowerCase()].map((c) => `rgb(${c.join(",")})`).join(",");
@@ -183,7 +183,8 @@ report.panel = (() => {
       if (side.map) {
         const v = side.map.values[i];
         return viewer.quantities[this.state.quantity].name === "FLIP" ? number(v, 3)
-          : percent(v, viewer.quantities[this.state.quantity].name === "bias");
+          : percent(v, viewer.quantities[this.state.quantity].name === "bias") +
+            (side.halfWidth ? ` ± ${number(100 * side.halfWidth.values[i], 3)}` : "");
       }
       return [0, 1, 2].map((k) => number(side.image.values[3 * i + k])).join("  ");
     }

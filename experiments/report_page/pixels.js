@@ -34,12 +34,16 @@ report.pixels = (() => {
     return out;
   }
 
-  /** ImageData of an image with one value a pixel, in the colour scale `name` from `low` to `high`. */
-  function map(image, name, low, high) {
+  /**
+   * ImageData of an image with one value a pixel, in the colour scale `name` from `low` to `high`; grey where a value is
+   * not larger than that of `halfWidth`, the half width of its interval.
+   */
+  function map(image, name, low, high, halfWidth = null) {
     const out = new ImageData(image.width, image.height);
     for (let i = 0, o = 0; i < image.values.length; ++i, o += 4) {
       const t = (image.values[i] - low) / (high - low);
-      const color = Number.isNaN(t) ? [255, 0, 255] : tables[name][Math.round(255 * Math.min(1, Math.max(0, t)))];
+      const isUnknown = halfWidth && Math.abs(image.values[i]) <= halfWidth.values[i];
+      const color = isUnknown ? [128, 128, 128] : Number.isNaN(t) ? [255, 0, 255] : tables[name][Math.round(255 * Math.min(1, Math.max(0, t)))];
       for (let k = 0; k < 3; ++k) out.data[o + k] = color[k];
       out.data[o + 3] = 255;
     }

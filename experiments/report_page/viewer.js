@@ -27,6 +27,7 @@ report.viewer = (() => {
     } else if (quantity.name !== "image") {
       const blob = sources.images[index][quantity.name.toLowerCase()];
       if (blob) side.map = await report.blobs.get(blob);
+      if (blob && quantity.name === "bias") side.halfWidth = await report.blobs.get(sources.images[index].bias_half_width);
       else side.none = index === 0 ? "the others are measured against the reference" : "it was not measured";
     }
     return side;
@@ -39,7 +40,7 @@ report.viewer = (() => {
     const {name} = quantities[state.quantity];
     const shown = name === "image" ? pixels.picture(side.image, state.stops)
       : name === "error" ? pixels.map(side.map, "error", 0, amplified)
-      : name === "bias" ? pixels.map(side.map, "bias", -amplified, amplified)
+      : name === "bias" ? pixels.map(side.map, "bias", -amplified, amplified, side.halfWidth)
       : pixels.map(side.map, "flip", 0, 1);
     const canvas = element("canvas", {width: shown.width, height: shown.height});
     canvas.getContext("2d").putImageData(shown, 0, 0);

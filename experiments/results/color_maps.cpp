@@ -9,17 +9,12 @@
 
 namespace gib {
 
-namespace {
-
-/// The colour of a scale at `t`, which is clamped to [0, 1].
 Color scale_color(ColorScale steps, float t) {
     const float position = std::clamp(t, 0.f, 1.f) * static_cast<float>(steps.size() - 1);
     const auto i = std::min(static_cast<std::size_t>(position), steps.size() - 2);
     const float share = position - static_cast<float>(i);
     return steps[i] * (1 - share) + steps[i + 1] * share;
 }
-
-}  // namespace
 
 float exposure_for(const Image& image) {
     constexpr double middle = 0.3;  // linear; 0.58 in sRGB

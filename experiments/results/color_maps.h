@@ -14,6 +14,8 @@ float exposure_for(const Image& image);
 /// The steps of a colour scale in sRGB, from the smallest to the largest value, with
 /// linear interpolation between them.
 using ColorScale = std::span<const Color>;
+/// The colour of a scale at `t`, which is clamped to [0, 1].
+Color scale_color(ColorScale steps, float t);
 /// Black, violet, red, orange, pale yellow in steps of equal lightness, so that lighter means a larger error.
 ColorScale error_colors();
 /// Every 17th of the 256 colours of `magma` (Smith and van der Walt, matplotlib); interpolation is within

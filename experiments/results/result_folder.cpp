@@ -164,6 +164,7 @@ void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
     j["format"] = "gibench results 1";
     j["externals"] = index.externals;
+    j["names"] = index.given_names;
     j["effects_missing"] = json::array();
     for (const auto& [cell, left_out] : index.left_out)
         j["effects_missing"].push_back({{"scene", cell.first},
@@ -181,6 +182,7 @@ ResultIndex ResultFolder::read_index() const {
         auto index = j.get<ResultIndex>();
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
         index.externals = j.value("externals", std::vector<std::string>());  // older folders have none
+        index.given_names = j.value("names", index.given_names);
         for (const auto& m : j.at("effects_missing"))
             index.left_out[{m.at("scene"), m.at("method")}] = {effects_named(m.at("effects")),
                                                                Components(components_named(m.value("components", "")))};

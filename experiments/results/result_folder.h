@@ -78,8 +78,10 @@ struct ResultIndex {
     int seeds = 1;
     int threads = 0;
     std::vector<IndexScene> scenes;
-    std::vector<std::string> methods;                                 ///< labels
-    std::vector<std::string> externals = {};                          ///< those of other renderers
+    std::vector<std::string> methods;         ///< labels
+    std::vector<std::string> externals = {};  ///< those of other renderers
+    std::map<std::string, std::string> given_names =
+        {};  ///< label -> its `label` in the experiment file, if it has one
     std::map<std::pair<std::string, std::string>, LeftOut> left_out;  ///< by scene and label
     std::map<std::string, std::string> cell_keys;                     ///< folder name of a cell -> key
 

@@ -1,6 +1,5 @@
 #include "experiments/run/run_experiment.h"
 
-#include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/run/run_session.h"
 #include "experiments/system/interrupt.h"
@@ -45,7 +44,7 @@ bool measure(RunSession& run, bool is_fresh) {
         run.make_references();
         auto states = run.list.states(run.folder);
         std::erase_if(states, [&](const CellState& s) { return run.references.has_failed(s.cell->scene); });
-        say_what_is_kept(run, states, run.log.progress);
+        if (!run.log.progress.quiet) say_what_is_kept(run, states, run.log.progress);
         run.write_index();
         run_cells(left_of(states), run.runner, run.log.progress);
     } catch (const Interrupted&) {
@@ -58,6 +57,20 @@ int interrupted(const RunSession& run, const RunOptions& options) {
     std::cerr << fmt::format("interrupted: what is complete is in {}; the same command{} goes on from there\n",
                              run.folder.path(), options.fresh ? " without --fresh" : "");
     return exit_interrupted;
+}
+
+/// Checks the folder that --out gives before anything is loaded, and says that it will be made below a folder that is not
+/// there, because that may be a mistyped one.
+void check_out(const RunOptions& options) {
+    namespace fs = std::filesystem;
+    if (!options.out) return;
+    const fs::path folder = fs::absolute(*options.out).lexically_normal();
+    fs::path there = folder;
+    while (!fs::exists(there) && there.has_relative_path())
+        there = there.parent_path();
+    require_writable(there.string());
+    if (there != folder && there != folder.parent_path() && !options.quiet)
+        std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", folder.parent_path().string());
 }
 
 int run_share(const RunOptions& options, std::ostream& out) {
@@ -74,12 +87,15 @@ int run_share(const RunOptions& options, std::ostream& out) {
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;
+    check_out(options);
     if (options.share) return run_share(options, out);
     RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::alone);
     const bool complete = measure(run, options.fresh);
     const std::string report = run.write_results();
     if (!complete) return interrupted(run, options);
-    out << read_file(run.folder.file("table.md")) << "\nReport: " << report << "\n";
+    if (!options.quiet)
+        out << fmt::format("{}Tables: {}\nReport: {}\n", run.verdict.empty() ? "" : run.verdict + "\n",
+                           run.folder.file("table.md"), report);
     return run.log.exit_code();
 }
 

@@ -6,6 +6,7 @@
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"
+#include "experiments/report/terminal.h"
 #include "experiments/results/manifest.h"
 #include "experiments/system/interrupt.h"
 
@@ -85,6 +86,7 @@ ResultIndex index_of(const RunSession& run) {
         index.methods.push_back(label.text());
     for (const auto& [label, external] : experiment.externals)
         index.externals.push_back(label);
+    index.given_names = experiment.given_names;
     index.left_out = run.setup.left_out;
     for (const WorkCell& cell : run.list.all())
         if (!cell.identity.reference.empty()) index.cell_keys[cell.name] = cell.identity.key();
@@ -108,6 +110,7 @@ RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse us
       references(setup, folder, log),
       list(setup, options.only),
       runner(setup, folder, log) {
+    log.progress.quiet = options.quiet;
     list.use(references);
 }
 
@@ -140,6 +143,9 @@ std::string RunSession::write_results() {
         link_images(index, folder);
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
+        verdict = terminal_verdict(analysis);
+        for (const Warning& warning : analysis.warnings)
+            damage.push_back(fmt::format("{}: {}", warning.scene, warning.sentence));
     });
     for (const auto& what : damage)
         log.progress.message("warning: " + what);

@@ -30,7 +30,7 @@ struct RunSession {
 
     /// Writes the index, without which there are no tables.
     void write_index();
-    /// Writes tables, images and report of all complete cells. Returns the report's path.
+    /// Writes tables, images and report of all complete cells. Returns the report's path. Sets `verdict`.
     std::string write_results();
 
     RunLog log;
@@ -40,6 +40,7 @@ struct RunSession {
     References references;
     WorkList list;
     CellRunner runner;
+    std::string verdict = {};  ///< the verdict for a terminal
 };
 
 }  // namespace gib

@@ -83,6 +83,10 @@ std::string tasks_without_a_trace(const JobFolder& folder, std::set<std::string>
 
 int print_status(const std::string& path, std::ostream& out) {
     const ResultFolder folder(path);
+    if (!fs::exists(folder.file("index.json")) && is_locked(folder.file(".lock"))) {
+        out << "references: being made; no cell has begun\n";
+        return 0;
+    }
     const ResultIndex index = folder.read_index();
     const Work work = work_in(path);
     if (!work.warning.empty()) std::cerr << "warning: " << work.warning << "\n";

@@ -25,6 +25,7 @@ ProgressLine::ProgressLine(std::optional<bool> terminal) : terminal_(terminal.va
 ProgressLine::~ProgressLine() { clear(); }
 
 void ProgressLine::update(double fraction, std::optional<double> seconds_left, const std::string& what) {
+    if (quiet) return;
     const auto now = std::chrono::steady_clock::now();
     const std::chrono::duration<double> wait(terminal_ ? 0.1 : 10.0);
     if (!last_ && !terminal_) last_ = now;  // short work needs no line

@@ -21,6 +21,8 @@ public:
     /// Prints a line that stays.
     void message(const std::string& text);
 
+    bool quiet = false;  ///< whether update() shows nothing
+
 private:
     void clear();
 

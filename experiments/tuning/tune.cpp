@@ -1,6 +1,7 @@
 // The time of a tuning is divided among reference, search, choice and final runs. What is left of a part goes to the next one.
 #include "experiments/tuning/tune.h"
 
+#include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/run/run_experiment.h"
@@ -11,6 +12,7 @@
 #include "methods/method.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -63,8 +65,10 @@ std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
     }
     for (const Variation& variation : variations)
         if (parameters.count(variation.parameter) == 0)
-            reject(variation.where, "{}: no method here has a parameter '{}'",
-                   variation.where.file.empty() ? "--vary" : "vary", variation.parameter);
+            reject(variation.where, "{}: no method here has a parameter '{}'{} There are: {}",
+                   variation.where.file.empty() ? "--vary" : "vary", variation.parameter,
+                   did_you_mean_or_stop(variation.parameter, {parameters.begin(), parameters.end()}),
+                   fmt::join(parameters, ", "));
     return spaces;
 }
 

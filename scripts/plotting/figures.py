@@ -61,13 +61,21 @@ def log_limits(values, margin=0.06):
     return low / factor, high * factor
 
 
+def saved(figure, form):
+    """The bytes of a figure's file."""
+    file = io.BytesIO()
+    figure.savefig(file, format=form, dpi=600 if form == "png" else 72, metadata=METADATA[form])
+    return file.getvalue()
+
+
 class Sheet:
     """A figure of width `width`: plots of the given heights above each other, and the legend below them."""
 
-    def __init__(self, width, heights, handles, heading, left=LEFT, handle_length=3.4):
+    def __init__(self, width, heights, handles, heading="", left=LEFT, handle_length=3.4):
         self.width, self.handles, self.heading, self.handle_length = width, handles, heading, handle_length
         gap = 0.12
-        self.legend_height = LINE * (self.legend_lines() + (1 if heading else 0)) + 0.08
+        heading_lines = heading.count("\n") + 1 if heading else 0
+        self.legend_height = LINE * (self.legend_lines() + heading_lines) + 0.08
         self.height = TOP + sum(heights) + gap * (len(heights) - 1) + AXIS_TEXT + self.legend_height
         self.figure = Figure(figsize=(width, self.height))
         self.axes, top = [], self.height - TOP
@@ -101,13 +109,7 @@ class Sheet:
                            bbox_to_anchor=(0.1 / self.width, self.legend_height / self.height),
                            title=self.heading or None, title_fontsize=7, alignment="left",
                            handlelength=self.handle_length, labelspacing=0.3, columnspacing=1.2, borderpad=0.2)
-        file = io.BytesIO()
-        self.figure.savefig(file, format=form, dpi=600 if form == "png" else 72, metadata=METADATA[form])
-        return file.getvalue()
-
-
-def heading_of(shared):
-    return f"{shared}, and:" if shared else ""
+        return saved(self.figure, form)
 
 
 def method_handles(labels, methods):
@@ -120,10 +122,13 @@ def draw_curve(axes, number, points):
         axes.fill_between([point.seconds for point in points], [point.low for point in points],
                           [point.high for point in points], color=style["color"], alpha=0.18, linewidth=0,
                           gid=f"band-{number}")
+        if len(points) == 1:  # its band has no width
+            axes.plot([points[0].seconds] * 2, [points[0].low, points[0].high], color=style["color"], linewidth=1.2,
+                      alpha=0.5, gid=f"bar-{number}")
     axes.plot([point.seconds for point in points], [point.error for point in points], gid=f"curve-{number}", **style)
 
 
-def error_figure(curves, labels, shared, reference, y_label, width):
+def error_figure(curves, labels, reference, y_label, width):
     """`curves`: points by method; `reference`: the error that it resolves in the unit of the axis, or None."""
     methods = list(labels)
     drawn = {method: points for method, points in curves.items() if points}
@@ -136,7 +141,7 @@ def error_figure(curves, labels, shared, reference, y_label, width):
         below = "" if near else " (below the axis)"
         handles.append((Patch(facecolor=REFERENCE_GREY, edgecolor="black", linewidth=0.5),
                         f"what the reference resolves: {reference:.3g}{unit}{below}"))
-    sheet = Sheet(width, [0.72 * (width - LEFT)], handles, heading_of(shared))
+    sheet = Sheet(width, [0.72 * (width - LEFT)], handles)
     axes = sheet.axes[0]
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -175,7 +180,7 @@ def draw_spectra(axes, spectra, methods, kind, lines=()):
     axes.set_axisbelow(True)
 
 
-def spectra_figure(noise, bias, labels, shared, width):
+def spectra_figure(noise, bias, labels, width):
     """`noise`, `bias`: (frequency, power) by method; one of them may be empty."""
     methods = list(labels)
     drawn = [method for method in methods if method in noise or method in bias]
@@ -184,7 +189,7 @@ def spectra_figure(noise, bias, labels, shared, width):
         handles.append((Line2D([], [], linestyle="none", marker="o", fillstyle="none", color="black", markersize=3,
                                markeredgewidth=0.6), "hollow, at the lower end: an estimate not above 0"))
     panels = [panel for panel in (("noise", noise), ("bias", bias)) if panel[1]]
-    sheet = Sheet(width, [0.48 * (width - LEFT)] * len(panels), handles, heading_of(shared))
+    sheet = Sheet(width, [0.48 * (width - LEFT)] * len(panels), handles)
     for axes, (kind, spectra) in zip(sheet.axes, panels):
         draw_spectra(axes, spectra, methods, kind, (1,) if kind == "noise" else ())
         axes.set_ylabel("noise, white = 1" if kind == "noise" else r"bias [radiance$^2$]")
@@ -198,10 +203,9 @@ def seconds_text(value):
     return f"{value:.3g} s" if value < 1000 else f"{value:.0f} s"
 
 
-def row_sheet(labels, handles, shared, width):
+def row_sheet(labels, handles, width):
     """A sheet with a row for each method: its label, and below it space for its data."""
-    heading = f"all methods: {shared}" if shared else ""
-    sheet = Sheet(width, [0.31 * len(labels) + 0.08], handles, heading, left=0.14, handle_length=2.2)
+    sheet = Sheet(width, [0.31 * len(labels) + 0.08], handles, left=0.14, handle_length=2.2)
     axes = sheet.axes[0]
     axes.set_ylim(len(labels) - 0.02, -0.25)
     axes.set_yticks([])
@@ -212,14 +216,33 @@ def row_sheet(labels, handles, shared, width):
     return sheet
 
 
-def stages_figure(stages, labels, shared, width):
+def with_few_names(stages, most=8):
+    """The stages with at most so many names: those with the largest share of any method's time, and `other` for the rest."""
+    shares = {}
+    for each in stages.values():
+        total = math.fsum(each.values())
+        for name, seconds in each.items():
+            shares[name] = max(shares.get(name, 0), seconds / total if total > 0 else 0)
+    if len(shares) <= most:
+        return stages
+    ranked = sorted((name for name in shares if name != "other"), key=lambda name: -shares[name])
+    kept = set(ranked[:most - 1])
+    few = {}
+    for method, each in stages.items():
+        few[method] = {name: seconds for name, seconds in each.items() if name in kept}
+        few[method]["other"] = math.fsum(seconds for name, seconds in each.items() if name not in kept)
+    return few
+
+
+def stages_figure(stages, labels, width):
     """`stages`: for each method the mean seconds of each stage. Bars show shares of a method's own time, because one
     method often takes a hundred times as long as another."""
+    stages = with_few_names(stages)
     names = list(dict.fromkeys(name for each in stages.values() for name in each))
     looks = {name: {"facecolor": (COLORS[1:] + ("#f0e442", "#bbbbbb"))[i % 8], "hatch": HATCHES[i % len(HATCHES)]}
              for i, name in enumerate(names)}
     handles = [(Patch(edgecolor="black", linewidth=0.4, **looks[name]), name) for name in names]
-    sheet = row_sheet({method: labels[method] for method in stages}, handles, shared, width)
+    sheet = row_sheet({method: labels[method] for method in stages}, handles, width)
     axes = sheet.axes[0]
     for row, (method, each) in enumerate(stages.items()):
         total, start = math.fsum(each.values()), 0.0
@@ -253,7 +276,7 @@ def draw_interval(axes, y, value, low, high, name, row, style):
             axes.plot([high], [y], marker="|", color=color, markersize=5, gid=f"{name}-limit-{row}")
 
 
-def split_figure(rows, labels, shared, width):
+def split_figure(rows, labels, width):
     """Draws bias^2 and variance with their 95 % intervals; `rows`: those of table.csv that have both. Unbiased methods have
     no mark of bias^2, which is 0 by theory."""
     def parts(row):
@@ -266,7 +289,7 @@ def split_figure(rows, labels, shared, width):
     if any(row["bias2"] <= 0 for row in rows if "bias2" in parts(row)):
         limit = Line2D([], [], linestyle="none", marker="|", color=COLORS[2], markersize=5)
         handles.append((limit, "upper limit only"))
-    sheet = row_sheet({row["method"]: labels[row["method"]] for row in rows}, handles, shared, width)
+    sheet = row_sheet({row["method"]: labels[row["method"]] for row in rows}, handles, width)
     axes = sheet.axes[0]
     axes.set_xscale("log")
     values = [row[part + end] for row in rows for part in parts(row) for end in ("", "_lo", "_hi")]
@@ -278,6 +301,66 @@ def split_figure(rows, labels, shared, width):
     axes.grid(True, axis="x", color="#e8e8e8", linewidth=0.5)
     axes.set_axisbelow(True)
     axes.set_xlabel("part of the mean squared error [radiance$^2$]")
+    return sheet
+
+
+def law_words(sweep):
+    """The fitted slope beside the one of theory; empty without either."""
+    law, words = sweep.law, []
+    if law and law["exponent"] is not None:
+        words.append(f"bias² ~ {sweep.parameter}^-p, p = {law['exponent']:.2f} "
+                     f"({law['exponent_lo']:.2f} to {law['exponent_hi']:.2f})")
+    elif law:
+        words.append(f"bias² is resolved at {law['resolved']:.0f} of {law['values']:.0f} values: no slope")
+    if law and law["theory"] is not None:
+        words.append(f"theory, smooth light: {law['theory']:.2f}")
+    return "\n".join(words)
+
+
+def draw_part(axes, points, part, look):
+    """A part of the mean squared error with its band; where its interval reaches 0, a mark of its upper end."""
+    shown = [(x, row) for x, row in points if row["bias_state"] != "unbiased" or part != "bias2"]
+    resolved = [(x, row) for x, row in shown if row[part] > 0 and (row[part + "_lo"] is None or row[part + "_lo"] > 0)]
+    bounds = [(x, row[part + "_hi"]) for x, row in shown
+              if (x, row) not in resolved and row[part + "_hi"] is not None and row[part + "_hi"] > 0]
+    band = [(x, row[part + "_lo"], row[part + "_hi"]) for x, row in resolved if row[part + "_lo"] is not None]
+    if band:
+        axes.fill_between(*zip(*band), color=look["color"], alpha=0.18, linewidth=0, gid=f"{part}-band")
+    axes.plot([x for x, _ in resolved], [row[part] for _, row in resolved], gid=part, markersize=4, linewidth=1, **look)
+    axes.plot([x for x, _ in bounds], [y for _, y in bounds], linestyle="none", marker="v", fillstyle="none",
+              color=look["color"], markersize=4, markeredgewidth=0.6, gid=f"{part}-bounds")
+    return [value for _, row in shown for value in (row[part], row[part + "_lo"], row[part + "_hi"]) if value and value > 0]
+
+
+def sweep_figure(sweep, component, width):
+    """bias^2, variance and their sum, the mean squared error, against the parameter of a sweep, on logarithmic axes."""
+    looks = {"bias2": {"color": COLORS[2], "marker": "s"}, "variance": {"color": COLORS[1], "marker": "o"}}
+    handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias²"),
+               (Line2D([], [], linewidth=1, markersize=4, **looks["variance"]), "variance"),
+               (Line2D([], [], color="black", linewidth=0.8, linestyle="--"), "mean squared error")]
+    if any(row["bias2_lo"] is not None and row["bias2_lo"] <= 0 for _, row in sweep.points):
+        handles.append((Line2D([], [], linestyle="none", marker="v", fillstyle="none", color=COLORS[2], markersize=4),
+                        "bias² below this"))
+    heading = textwrap.fill(f"{sweep.method}, {component}", int(width / CHARACTER))
+    law = law_words(sweep)
+    left = LEFT + 0.12  # for numbers such as 3 10^-4
+    sheet = Sheet(width, [0.72 * (width - left)], handles, "\n".join(part for part in (heading, law) if part), left=left)
+    axes = sheet.axes[0]
+    axes.yaxis.set_label_coords(-0.5 / (width - left - RIGHT), 0.5)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    values = [value for part, look in looks.items() for value in draw_part(axes, sweep.points, part, look)]
+    errors = [(x, max(row["bias2"], 0) + row["variance"]) for x, row in sweep.points]
+    axes.plot([x for x, _ in errors], [y for _, y in errors], color="black", linewidth=0.8, linestyle="--", gid="error",
+              zorder=1)
+    axes.set_xlim(*log_limits([x for x, _ in sweep.points]))
+    axes.set_ylim(*log_limits(values + [y for _, y in errors if y > 0]))
+    log_ticks(axes.xaxis, *axes.get_xlim())
+    log_ticks(axes.yaxis, *axes.get_ylim())
+    axes.grid(True, which="major", color="#e8e8e8", linewidth=0.5, zorder=-1)
+    axes.set_axisbelow(True)
+    axes.set_xlabel(sweep.parameter)
+    axes.set_ylabel(r"mean squared error [radiance$^2$]")
     return sheet
 
 

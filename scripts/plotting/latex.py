@@ -1,7 +1,7 @@
 """Makes a LaTeX table of one scene, which a document reads by \\input. It needs the package booktabs."""
 import math
 
-from plotting.result_tables import is_number, short_labels
+from plotting.result_tables import is_number, labels_of
 
 ESCAPES = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
            "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}",
@@ -85,7 +85,7 @@ def table_row(row, label, with_missing):
 
 def latex_table(rows, scene, component):
     """The table as text; `rows`: those of table.csv for one scene and component."""
-    labels, shared = short_labels([row["method"] for row in rows])
+    labels = labels_of(rows)
     with_missing = any(left_out(row) for row in rows)
     columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")
     heads = ["method", "time [s]", r"relative RMSE [\%]", "bias$^2$ [radiance$^2$]", "variance [radiance$^2$]",
@@ -93,9 +93,8 @@ def latex_table(rows, scene, component):
     if with_missing:
         heads.append("left out")
     comment = f"% Scene {scene}, component {component}; needs \\usepackage{{booktabs}}.".replace("\n", " ")
-    lines = [comment, rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
+    settings = [f"% {name}: {method}".replace("\n", " ") for method, name in labels.items() if name != method]
+    lines = [comment, *settings, rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
              r"  \midrule"]
-    if shared:
-        lines += [rf"  \multicolumn{{{len(columns)}}}{{@{{}}l@{{}}}}{{\texttt{{{escaped(shared)}}}, and:}} \\"]
     lines += [table_row(row, labels[row["method"]], with_missing) for row in rows]
     return "\n".join([*lines, r"  \bottomrule", r"\end{tabular}", ""])

@@ -6,13 +6,16 @@ from dataclasses import dataclass
 
 # The columns that are used; the files have more.
 CURVES = ("scene", "method", "seed", "pass", "seconds", "mse_corrected", "rel_mse_corrected")
-TABLE = ("scene", "method", "component", "seconds", "rel_mse_corrected", "rel_mse_corrected_lo", "rel_mse_corrected_hi",
+TABLE = ("scene", "method", "label", "component", "seconds", "rel_mse_corrected", "rel_mse_corrected_lo", "rel_mse_corrected_hi",
          "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance", "variance_lo", "variance_hi",
          "bias_state", "effects_missing", "components_missing",
          *(f"seconds_to_{target}pct{end}" for target in (5, 2, 1) for end in ("", "_state", "_law", "_law_lo", "_law_hi")))
 SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
 STAGES = ("scene", "method", "seed", "stage", "seconds")
-TEXT = {"scene", "method", "component", "effects_missing", "components_missing", "kind", "stage", "seed", "bias_state",
+BIAS_LAWS = ("scene", "method", "parameter", "component", "values", "resolved", "exponent", "exponent_lo", "exponent_hi",
+             "theory")
+TEXT = {"scene", "method", "label", "component", "effects_missing", "components_missing", "kind", "stage", "seed", "bias_state",
+        "parameter",
         *(f"seconds_to_{target}pct_state" for target in (5, 2, 1))}
 
 
@@ -27,6 +30,7 @@ class Results:
     table: list
     spectra: list
     stages: list
+    bias_laws: list
 
 
 def value_of(text, column, place):
@@ -80,7 +84,9 @@ def read_results(folder):
         return read_table(os.path.join(folder, name), columns)
 
     results = Results(table("curves.csv", CURVES), table("table.csv", TABLE), table("spectra.csv", SPECTRA),
-                      table("stages.csv", STAGES))
+                      table("stages.csv", STAGES),
+                      # Older folders have no such file.
+                      table("bias_laws.csv", BIAS_LAWS) if os.path.exists(os.path.join(folder, "bias_laws.csv")) else [])
     for name, rows in (("curves.csv", results.curves), ("table.csv", results.table)):
         if not rows:
             raise InputError(f"{os.path.join(folder, name)}: the table has no rows")
@@ -99,12 +105,6 @@ def is_number(value):
     return value is not None and math.isfinite(value)
 
 
-def short_labels(methods):
-    """(label by method, shared words): labels without the words that all methods share, and these words."""
-    words = {method: method.split(" ") for method in methods}
-    if len(methods) > 1:
-        shared = [word for word in words[methods[0]] if all(word in of for of in words.values())]
-        labels = {method: " ".join(word for word in of if word not in shared) for method, of in words.items()}
-        if all(labels.values()) and len(set(labels.values())) == len(methods):
-            return labels, " ".join(shared)
-    return {method: method for method in methods}, ""
+def labels_of(rows):
+    """The name of each method, by its label with all settings, in the order of the rows of table.csv."""
+    return {row["method"]: row["label"] or row["method"] for row in rows}

@@ -14,7 +14,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 PLOT = os.path.join(ROOT, "scripts", "plot")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 
-from plotting import error_curves, latex, result_tables  # noqa: E402  found by the line above
+from plotting import bias_sweeps, error_curves, latex, result_tables  # noqa: E402  found by the line above
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -276,16 +276,87 @@ class PartsTest(unittest.TestCase):
         self.assertAlmostEqual(error_curves.resolved_error(rows, "rel_mse"), 0.0009)
         self.assertIsNone(error_curves.resolved_error(rows, "rmse"))
 
-    def test_labels_lose_what_all_share_and_stay_distinct(self):
-        short = result_tables.short_labels
-        self.assertEqual(short(["a x=1 k=5", "a x=2 k=5"]), ({"a x=1 k=5": "x=1", "a x=2 k=5": "x=2"}, "a k=5"))
-        self.assertEqual(short(["path", "path k=5"]), ({"path": "path", "path k=5": "path k=5"}, ""))
-        self.assertEqual(short(["path spp=4"]), ({"path spp=4": "path spp=4"}, ""))
+    def test_names_are_those_of_the_column_label(self):
+        rows = [{"method": "path spp=4", "label": "paths"}, {"method": "vcm", "label": ""}]
+        self.assertEqual(result_tables.labels_of(rows), {"path spp=4": "paths", "vcm": "vcm"})
+
+    def test_sweeps_are_of_rows_that_differ_in_one_number(self):
+        def row(method, bias2=1e-3, state="measured"):
+            return {"method": method, "bias2": bias2, "bias2_lo": bias2 / 2, "variance": 1e-3, "bias_state": state}
+        rows = [row("m photons=1e5 k=50"), row("m photons=1e4 k=50"), row("m photons=1e6 k=50"), row("m photons=1e4 k=9"),
+                row("path spp=1"), row("path spp=2"), row("path spp=3"),
+                *(row(f"u x={x}", state="unbiased") for x in (1, 2, 3))]
+        law = {"method": "m k=50", "parameter": "photons", "component": "total"}
+        sweep, = bias_sweeps.sweeps_of(rows, [law])
+        self.assertEqual((sweep.method, sweep.parameter, sweep.law), ("m k=50", "photons", law))
+        self.assertEqual([x for x, _ in sweep.points], [1e4, 1e5, 1e6])
+
+    def test_the_component_of_largest_bias_is_a_resolved_one(self):
+        rows = [{"component": c, "bias2": b, "bias2_lo": low} for c, b, low in
+                (("total", 9, 8), ("direct", 7, -1), ("caustic", 3, 2), ("indirect", 4, 3))]
+        self.assertEqual(bias_sweeps.component_of_largest_bias(rows), "indirect")
+        self.assertEqual(bias_sweeps.component_of_largest_bias(rows[:2]), "total")
+
+    def test_stages_have_few_names_and_the_whole_time(self):
+        try:
+            from plotting import figures
+        except ImportError:
+            self.skipTest("matplotlib")
+        stages = {"a": {f"s{i}": 1.0 + i for i in range(20)}, "b": {"s0": 50.0, "other": 1.0}}
+        few = figures.with_few_names(stages)
+        names = {name for each in few.values() for name in each}
+        self.assertEqual(len(names), 8)
+        self.assertIn("s0", names)  # small in one method, all of another
+        for method, each in stages.items():
+            self.assertAlmostEqual(math.fsum(few[method].values()), math.fsum(each.values()))
+        self.assertEqual(figures.with_few_names({"a": {"x": 1.0}}), {"a": {"x": 1.0}})
 
     def test_every_special_character_is_escaped(self):
         self.assertEqual(latex.escaped("a_b%&#${}"), r"a\_b\%\&\#\$\{\}")
         self.assertEqual(latex.escaped("\\^~<>|"), r"\textbackslash{}\textasciicircum{}\textasciitilde{}\textless{}"
                                                    r"\textgreater{}\textbar{}")
+
+
+SWEEP = TABLE_HEAD + "".join(table_line(
+    scene="box", component=component, method=f"m photons={photons} k=5", label=f"m photons={photons}", seconds=1,
+    rel_mse_corrected=0.01, rel_mse_resolved=1e-6, bias2=scale / photons, bias2_lo=0.5 * scale / photons if resolved else -1e-9,
+    bias2_hi=2 * scale / photons, variance=1e-4, variance_lo=5e-5, variance_hi=2e-4, bias_state="measured")
+    for component, scale, resolved in (("total", 1, False), ("caustic", 2, True)) for photons in (1000, 10000, 100000))
+LAWS = (",".join(result_tables.BIAS_LAWS) + "\n"
+        "box,m k=5,photons,caustic,3,3,1.0,0.9,1.1,2\nbox,m k=5,photons,total,3,0,,,,2\n")
+
+
+class SweepTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.parent = tempfile.TemporaryDirectory()
+        curves = CURVES.replace(METHODS[0], "m photons=1000 k=5").replace(METHODS[1], "m photons=10000 k=5")
+        cls.folder = result_folder(cls.parent.name, table=SWEEP, bias_laws=LAWS, curves=curves,
+                                   stages=STAGES.replace(METHODS[0], "m photons=1000 k=5"), spectra=SPECTRA.splitlines()[0] + "\n")
+        cls.made = plot(cls.folder, "--format", "svg")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.parent.cleanup()
+
+    def test_bias_and_variance_stand_over_the_parameter(self):
+        self.assertEqual(self.made.returncode, 0, self.made.stderr)
+        figure = Svg(os.path.join(self.folder, "figures", "bias-photons-box.svg"))
+        y = figure.axis(1, "y", True)
+        for name, values in (("bias2", (2e-3, 2e-4, 2e-5)), ("variance", (1e-4,) * 3)):
+            found = [y(position) for _, position in figure.marks(name)]
+            self.assertEqual(len(found), 3)
+            for value, wanted in zip(found, values):
+                self.assertAlmostEqual(math.log(value), math.log(wanted), delta=0.01)
+        text = " ".join(figure.text())
+        self.assertIn("caustic", text)  # its bias is resolved, and that of the total is not
+        self.assertIn("p = 1.00 (0.90 to 1.10)", text)
+        self.assertIn("theory, smooth light: 2.00", text)
+
+    def test_names_are_short(self):
+        text = " ".join(Svg(os.path.join(self.folder, "figures", "error-box.svg")).text())
+        self.assertIn("m photons=1000", text)
+        self.assertNotIn("k=5", text)
 
 
 class ErrorTest(unittest.TestCase):

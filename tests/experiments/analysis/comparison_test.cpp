@@ -100,13 +100,13 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     EXPECT_EQ(laws[0].method, "photons k=50");
     EXPECT_EQ(laws[0].parameter, "photons");
     EXPECT_EQ(laws[0].resolved_count, 3u);
-    EXPECT_EQ(laws[0].values.size(), 4u);
-    EXPECT_NEAR(laws[0].exponent.value, 1.5, 1e-9);
+    EXPECT_EQ(laws[0].rows.size(), 4u);
+    EXPECT_NEAR(laws[0].exponent->value, 1.5, 1e-9);
     // Three points are log 10 apart, each with the deviation log 1.2 / 1.96:
     // standard error deviation / (log 10 sqrt 2).
     const double half = std::log(1.2) / (std::log(10.0) * std::sqrt(2.0));
-    EXPECT_NEAR(laws[0].exponent.interval->hi, 1.5 + half, 1e-9);
-    EXPECT_NEAR(laws[0].exponent.interval->lo, 1.5 - half, 1e-9);
+    EXPECT_NEAR(laws[0].exponent->interval->hi, 1.5 + half, 1e-9);
+    EXPECT_NEAR(laws[0].exponent->interval->lo, 1.5 - half, 1e-9);
 }
 
 TEST(BiasLaws, SayNothingOfTwoPoints) {

@@ -112,7 +112,7 @@ TEST(Ties, AreOfNumbersThatAreClose) {
     EXPECT_EQ(beside(0.04), "tie with the best");
 }
 
-TEST(PriceAnswers, TheClosestInAFewWordsHasItsTies) {
+TEST(Verdicts, TheClosestInAFewWordsHasItsTies) {
     const Analysis analysis = analysis_of(joined({runs("a", 1e-1, 0.5, 8), runs("b", 1.001e-1, 0.5, 8)}));
     EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with b")));
 }
@@ -155,24 +155,25 @@ TEST(Floor, ABiasThatMayBeNoneIsAnUpperBound) {
     EXPECT_EQ(bias(4e-4, -1e-3, 2e-3), "cannot be told");
 }
 
-TEST(PriceAnswers, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
+TEST(Verdicts, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
     const Analysis analysis =
         analysis_of(joined({runs("path", 1e-3, 0.01, 0.16, 0, 2), runs("vcm", 2e-3, 0.05, 3.2, 0, 2)}));
-    const std::string answer = price_answers(analysis, "box")[0];
-    EXPECT_THAT(answer, AllOf(HasSubstr("`vcm` is the first that was seen to reach 5 %"),
-                              HasSubstr("not run longer: `path`"), Not(HasSubstr("is the cheapest"))));
+    const VerdictRow first = verdict(analysis, "box")[0];
+    EXPECT_EQ(first.method, "vcm");
+    EXPECT_EQ(first.remark, "first that was seen to reach it, not run longer: `path`");
     EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("not run longer: path"));
 }
 
 // Seed by seed both take the same times, in another order.
-TEST(PriceAnswers, EqualMethodsAreATie) {
+TEST(Verdicts, EqualMethodsAreATie) {
     std::vector<Cell> cells;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         cells.push_back(run_of("a", 1e-2 * (1 + 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
         cells.push_back(run_of("b", 1.02e-2 * (1.5 - 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
     }
     const Analysis analysis = analysis_of(cells);
-    EXPECT_THAT(price_answers(analysis, "box")[0], HasSubstr("(tie with `"));
+    EXPECT_THAT(verdict(analysis, "box")[0].remark, HasSubstr("tie with `"));
+    EXPECT_EQ(verdict(analysis, "box")[1].remark, "tie with the best");
     EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("tie with"));
     const auto words = scene_look(analysis, "box").methods;
     EXPECT_THAT(words[0].beside, HasSubstr("tie with"));

@@ -75,11 +75,9 @@ TEST(SimulatedExperiments, NameNoWinnerAmongEqualMethods) {
                         cells.push_back(
                             simulated(method, static_cast<std::uint64_t>(seed), {4e-3, 0, 1}, scatter, 6, random));
                 const Analysis analysis = analysis_of(cells);
-                for (const std::string& answer : price_answers(analysis, "box")) {
-                    const bool named = answer.find("`") != std::string::npos &&
-                                       answer.find("tie") == std::string::npos &&
-                                       answer.find("not run longer") == std::string::npos;
-                    (answer.find("Closest") == std::string::npos ? answers : closest) += named;
+                for (const VerdictRow& row : verdict(analysis, "box")) {
+                    answers += row.is_best && row.remark == "cheapest";
+                    closest += row.remark == "closest";
                 }
                 looks += scene_look(analysis, "box").methods[0].beside == "best";
                 rows += doubts(equal_time_rows(analysis).at(0).ranking).empty();

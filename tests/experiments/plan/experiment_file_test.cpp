@@ -38,6 +38,24 @@ TEST_F(ExperimentFileTest, LabelsKeepTheOrderAndTheNumbersAsTyped) {
                 ElementsAre("photon_mapper spp=4 photons=1e4 k=50 radius=0.10"));
 }
 
+TEST_F(ExperimentFileTest, AMethodTakesANameForItsRows) {
+    const Experiment e = parse("scenes = ['a.xml']\n[[method]]\nname = 'path'\nlabel = 'paths'\nspp = [4, 8]\n");
+    EXPECT_THAT(texts_of(e), ElementsAre("path spp=4", "path spp=8")) << "keys of cells do not depend on it";
+    EXPECT_EQ(e.given_names, (std::map<std::string, std::string>{{"path spp=4", "paths"}, {"path spp=8", "paths"}}));
+    const std::string head = "scenes = ['a.xml']\n[[method]]\nname = 'path'\n";
+    EXPECT_THAT(error_of(head + "label = 'x'\n[[method]]\nname = 'vcm'\nlabel = 'x'\n"),
+                HasSubstr("two methods have the label 'x'"));
+    EXPECT_THAT(error_of(head + "label = ''\n"), HasSubstr("'label' needs a text"));
+    EXPECT_THAT(error_of(head + "label = 3\n"), HasSubstr("label"));
+}
+
+TEST_F(ExperimentFileTest, WrongWordsAreMetWithTheRightOnes) {
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'photonmapper'\n"),
+                HasSubstr("did you mean 'photon_mapper'?"));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'photon_mapper'\nphoton = 5\n"),
+                HasSubstr("did you mean 'photons'?"));
+}
+
 TEST_F(ExperimentFileTest, ListsMakeSweepsAndGrids) {
     EXPECT_THAT(labels("[[method]]\nname = 'path'\nspp = [16, 64, 2_56] # three\n"),
                 ElementsAre("path spp=16", "path spp=64", "path spp=256"));

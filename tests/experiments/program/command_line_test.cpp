@@ -31,6 +31,17 @@ TEST_F(CommandLineTest, HelpAndVersionSucceed) {
     EXPECT_THAT(run("render --help").out, AllOf(HasSubstr("photon_mapper"), HasSubstr("max_depth")));
 }
 
+TEST_F(CommandLineTest, HelpFitsATerminal) {
+    for (const char* command : {"", "run", "render", "reference", "compare", "plan", "list", "list keys", "report",
+                                "status", "compare-runs", "photons", "tune", "completion"}) {
+        std::istringstream lines(run(std::string(command) + " --help").out);
+        int count = 0;
+        for (std::string line; std::getline(lines, line); ++count)
+            EXPECT_LE(line.size(), 80u) << command << ": " << line;
+        EXPECT_GT(count, 3) << command;
+    }
+}
+
 TEST_F(CommandLineTest, WrongInputGivesTwoAndWritesNothing) {
     folder_.write("broken.xml", "<scene version='3.0.0'>\n<sensr/></scene>");
     folder_.write("e.toml", "scenes = ['tiny.xml']\n[[method]]\nname = 'path'\nspq = 3\n");
@@ -131,7 +142,8 @@ TEST_F(CommandLineTest, PlanSaysWhatRunsAndWhatIsSkipped) {
     EXPECT_THAT(run("plan tiny.xml --method photon_mapper"),
                 prints(HasSubstr("called for: direct_light\n"), HasSubstr("runs: "), HasSubstr("skipped: "),
                        Not(HasSubstr("method: "))));
-    EXPECT_THAT(run("plan tiny.xml").out, AllOf(HasSubstr("method: path\n"), HasSubstr("method: photon_mapper\n")));
+    EXPECT_THAT(run("plan tiny.xml").out,
+                AllOf(HasSubstr("\n\nmethod: path\n"), HasSubstr("\n\nmethod: photon_mapper\n")));
 }
 
 // Files are found in the folders of -a, and of an experiment's `paths`; what was changed in an old scene is said.
@@ -170,9 +182,14 @@ TEST_F(CommandLineTest, NamesTheWrongWordAndTheLikelyRightOne) {
            "gibench render: '--spp' is not expected; parameters stand in the label"},
           {"run --seed 3 e.toml", "gibench run: '--seed' is not expected; did you mean '--seeds'?"}})
         EXPECT_THAT(run(arguments), exits(2, StartsWith(error)));
-    for (const auto& [arguments, error] : {std::pair{"plan corner-box", "did you mean 'cornell-box'?"},
-                                           {"tune corner-box", "did you mean 'cornell-box'?"},
-                                           {"reference tiny.xml --target 1 -o a.exr", "did you mean \"1%\"?"}})
+    for (const auto& [arguments, error] :
+         {std::pair{"plan corner-box", "did you mean 'cornell-box'?"},
+          {"plan tinny.xml", "did you mean 'tiny'?"},
+          {"render tiny.xml --method photonmapper -o a.exr", "did you mean 'photon_mapper'?"},
+          {"render tiny.xml --method 'vcm radus=1' -o a.exr", "did you mean 'radius'?"},
+          {"tune tiny.xml --vary photon=1..2", "did you mean 'photons'? There are: "},
+          {"tune corner-box", "did you mean 'cornell-box'?"},
+          {"reference tiny.xml --target 1 -o a.exr", "did you mean \"1%\"?"}})
         EXPECT_THAT(run(arguments), exits(2, HasSubstr(error)));
 }
 
@@ -247,6 +264,24 @@ TEST_F(CommandLineTest, ASceneWithoutLightIsSaid) {
     EXPECT_THAT(render("dark.xml", "path spp=1").err, HasSubstr("warning: nothing in the scene emits light"));
     EXPECT_THAT(run("plan dark.xml").out, HasSubstr("warning: nothing in the scene emits light"));
     EXPECT_THAT(run("plan tiny.xml").out, Not(HasSubstr("warning")));
+}
+
+// A run ends with its verdict; what a machine reads stays silent.
+TEST_F(CommandLineTest, ARunEndsWithItsVerdict) {
+    folder_.write("e.toml",
+                  "scenes = ['tiny.xml']\nseeds = 2\nbudget = { passes = 2 }\n[reference]\ntarget = '30%'\n[[method]]\n"
+                  "name = 'path'\nlabel = 'my paths'\n[[method]]\nname = 'vcm'\n");
+    const ProgramResult first = run("run e.toml --out new/deep/r");
+    EXPECT_THAT(first, exits(0, HasSubstr("there is no folder")));
+    EXPECT_THAT(first.out, AllOf(HasSubstr("my paths"), HasSubstr("\nTables: new/deep/r/table.md\nReport: "),
+                                 Not(HasSubstr("| tiny |"))));
+    EXPECT_EQ(run("run e.toml --out new/deep/r --quiet").out, "");
+    EXPECT_THAT(read_file(folder_ / "new/deep/r/table.csv"), HasSubstr("tiny,path,total"));
+    const ProgramResult same = run("compare-runs new/deep/r new/deep/r --fail-if-worse");
+    EXPECT_THAT(same, prints(HasSubstr("tiny, path\n"), HasSubstr("x 1.00 ("), HasSubstr("0 better, 0 worse")));
+    EXPECT_THAT(run("compare-runs new/deep/r new/deep/r --csv").out,
+                StartsWith("scene,method,number,at,before,after,factor,"));
+    EXPECT_EQ(run("compare-runs new/deep/r nowhere").code, 2);
 }
 
 TEST_F(CommandLineTest, HelpOfRunHasTheKeysOfAnExperimentFile) {

@@ -6,12 +6,15 @@
 #include "common/images/image_file.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/metrics/flip.h"
+#include "experiments/program/compare_words.h"
 #include "tests/experiments/metrics/paper_flip.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/input_error.h"
 #include "tests/support/matchers.h"
 #include "tests/support/scene_text.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -160,6 +163,105 @@ TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
     }
     EXPECT_THROW(json({{r}, r, 0}), InputError);
     EXPECT_THROW(json({{r}, r, std::numeric_limits<double>::quiet_NaN()}), InputError);
+}
+
+/// A picture without symmetries, 64 x 48 pixels, with noise of 5 % and this seed.
+Image picture(unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise(1, 0.05f);
+    Image image(64, 48);
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x)
+            for (int k = 0; k < 3; ++k)
+                image.rgb[static_cast<std::size_t>(3 * (64 * y + x) + k)] =
+                    (0.2f + 0.05f * static_cast<float>(x) + 0.15f * static_cast<float>(y)) *
+                    (1 + 0.3f * static_cast<float>(k)) * noise(random);
+    return image;
+}
+
+/// The sentence about the image beside picture(1), a reference without noise of its own.
+std::string sentence_about(const Image& image) {
+    const ReferenceLayer reference{picture(1), std::nullopt, {}};
+    return comparison_sentence({image}, reference, Denominators(reference, 0.01));
+}
+
+Image changed(Image image, float (*change)(float)) {
+    std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), change);
+    return image;
+}
+
+TEST(CompareWords, SayHowMuchTooBright) {
+    const std::string bright = sentence_about(changed(picture(2), [](float v) { return 1.2f * v; }));
+    const std::string head = "1.20 times too bright; scaled, relative RMSE ";
+    EXPECT_THAT(bright, AllOf(StartsWith(head), Not(HasSubstr("fits better"))));
+    EXPECT_NEAR(std::stod(bright.substr(head.size())), 5 * std::sqrt(2), 0.15) << "the noise of both pictures";
+    EXPECT_THAT(sentence_about(changed(picture(3), [](float v) { return 0.5f * v; })),
+                StartsWith("2.00 times too dark"));
+}
+
+// The noise of 100 pairs of pictures of equal brightness is never called a difference: its standard deviation is 0.05 %.
+TEST(CompareWords, SayNothingOfNoise) {
+    for (unsigned seed = 2; seed < 100; ++seed)
+        EXPECT_THAT(sentence_about(picture(seed)), StartsWith("relative RMSE 7.")) << seed;
+}
+
+TEST(CompareWords, SayWhatIsWithinTheReferencesNoise) {
+    std::vector<Image> groups;
+    for (unsigned seed = 10; seed < 26; ++seed)
+        groups.push_back(picture(seed));
+    const ReferenceLayer reference = layer_of_groups(groups);
+    EXPECT_THAT(comparison_sentence({reference.mean}, reference, Denominators(reference, 0.01)),
+                StartsWith("the rest is within the reference's noise of 1.2"));
+}
+
+TEST(CompareWords, SayWhichWayUpItFits) {
+    const Image right = picture(2);
+    Image down = right, swapped = right;
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x)
+            down.set(static_cast<std::size_t>(64 * y + x), right.at(static_cast<std::size_t>(64 * (47 - y) + x)));
+    for (std::size_t p = 0; p < swapped.pixels(); ++p)
+        std::swap(swapped.rgb[3 * p], swapped.rgb[3 * p + 2]);
+    EXPECT_THAT(sentence_about(down), HasSubstr("fits better upside down"));
+    EXPECT_THAT(sentence_about(swapped), HasSubstr("fits better with red and blue swapped"));
+}
+
+TEST(CompareWords, WarnOfImagesThatCannotHoldRadiance) {
+    const Image reference = picture(1), image = picture(2);
+    EXPECT_EQ(doubts_about_image(image, reference), "");
+    EXPECT_THAT(doubts_about_image(changed(image, [](float v) { return std::min(v, 5.f); }), reference),
+                HasSubstr("clipped at 5.00"));
+    EXPECT_THAT(doubts_about_image(changed(image, [](float v) { return std::round(v * 12) / 12; }), reference),
+                HasSubstr("as an image of 8 bits has"));
+    Image grey = image;
+    for (std::size_t p = 0; p < grey.pixels(); ++p)
+        grey.set(p, Color::Constant(grey.rgb[3 * p]));
+    EXPECT_EQ(doubts_about_image(grey, reference), "it is grey, and the reference has colours");
+    EXPECT_EQ(doubts_about_image(grey, grey), "");
+}
+
+// Red where the image is brighter, blue where it is darker, without colour where it is equal.
+TEST(CompareWords, TheDifferenceHasTheColoursOfBias) {
+    const Image r = constant_image(2.f, 4, 4);
+    const auto color = [&](float value) { return difference_image(constant_image(value, 4, 4), r, 0.01).at(0); };
+    EXPECT_GT(color(3)[0], color(3)[2]);
+    EXPECT_LT(color(1)[0], color(1)[2]);
+    EXPECT_EQ(color(2)[0], color(2)[2]);
+}
+
+TEST_F(Compare, WritesAPictureOfTheDifferenceAndSaysASentence) {
+    CompareOptions options{{file("x.exr", 2.4f)}, file("r.exr", 2)};
+    options.png = folder_ / "d.png";
+    std::ostringstream out;
+    EXPECT_EQ(compare(options, out), 0);
+    EXPECT_THAT(out.str(), StartsWith("1.20 times too bright; scaled, relative RMSE 0"));
+    EXPECT_EQ(read_image(options.png).layers.front().second.width, 8);
+    EXPECT_EQ(json(options)["sentence"], out.str().substr(0, out.str().find('\n')));
+}
+
+TEST_F(Compare, AMissingFileHasNoLine) {
+    const std::string none = folder_ / "none.exr";
+    EXPECT_EQ(input_error_of([&] { json({{none}, file("r.exr", 2)}); }), none + ": no such file");
 }
 
 }  // namespace

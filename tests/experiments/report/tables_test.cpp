@@ -78,10 +78,9 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("seconds_to_1pct"), "") << "never reached is empty, not zero";
     EXPECT_EQ(value("effects_missing"), "refraction;caustics");
     EXPECT_EQ(value("flip"), "0.125");
-    EXPECT_THAT(
-        markdown_table(analysis),
-        HasSubstr("| box | path spp=1 | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
-                  "not reached | 0 | 0.125 | refraction, caustics |"));
+    EXPECT_THAT(markdown_table(analysis),
+                HasSubstr("| box | path | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
+                          "not reached | 0 | 0.125 | refraction, caustics |"));
 }
 
 // Files may have such names, and a title may have several lines.
@@ -92,7 +91,7 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     analysis.references.push_back({"a|b\nc", "path", 0.01, true, {}, 64, {"of a|b\nc"}, {{Layer::total, 1e-6}}});
     const std::string text = markdown_table(analysis);
     EXPECT_THAT(text, StartsWith("# T \\| a \\| b \\|\n\n"));
-    EXPECT_THAT(text, HasSubstr("\n| a\\|b c | path spp=1 | 0.500 |"));
+    EXPECT_THAT(text, HasSubstr("\n| a\\|b c | path | 0.500 |"));
     EXPECT_THAT(text, Not(HasSubstr("a|b")));
     EXPECT_THAT(text, Not(HasSubstr("b\nc")));
     EXPECT_EQ(error_table(analysis).rows.at(0).at(0), "a|b\nc") << "CSV has quotes for that";
@@ -111,9 +110,10 @@ TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
 TEST(Tables, ShowEveryMemberOfARow) {
     Analysis analysis;
     analysis.rows.resize(1);
-    auto& [scene, method, layer, seeds, seconds, prepare_seconds, least_passes, most_passes, statistics, robust, noise,
-           bias, times, reached, footing, law, last_halving, nonfinite, peak_rss_mib, effects_missing, noise_floor,
-           flip, epsilon, components_missing, is_unbiased, is_external, floor_known, cpus] = analysis.rows[0];
+    auto& [scene, method, name, layer, seeds, seconds, prepare_seconds, least_passes, most_passes, statistics, robust,
+           noise, bias, times, reached, footing, law, last_halving, nonfinite, peak_rss_mib, effects_missing,
+           noise_floor, flip, epsilon, components_missing, is_unbiased, is_external, floor_known, cpus] =
+        analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -124,6 +124,7 @@ TEST(Tables, ShowEveryMemberOfARow) {
     };
     expect_shown(scene, "box");
     expect_shown(method, "path");
+    expect_shown(name, "paths");
     expect_shown(layer, Layer::caustic);
     expect_shown(seeds, 7);
     expect_shown(seconds, 1.5);
@@ -171,7 +172,8 @@ TEST(Tables, KeepTheOrderOfTheSections) {
     std::vector<std::string> titles;
     for (const Section& section : sections(analysis))
         titles.push_back(section.title);
-    EXPECT_EQ(joined(titles), "Equal footing,Price list,Errors,Bias and noise,Where the time goes")
+    EXPECT_EQ(joined(titles),
+              "Which method is cheapest, and why,Equal footing,Price list,Errors,Bias and noise,Where the time goes")
         << "those without rows are left out";
 }
 

@@ -104,7 +104,7 @@ class ReportCase(BrowserCase):
 
     def values(self, side):
         text = self.section.find_element(By.CSS_SELECTOR, f".value[data-side={side}]").text
-        return [float(v.rstrip("%").replace("−", "-")) for v in text[1:].replace("%", " ").split()]
+        return [float(v.rstrip("%").replace("−", "-")) for v in text[1:].replace("%", " ").replace("±", " ").split()]
 
     def canvas(self, x, y):
         """The colour of the stage's canvas at the centre of an image's pixel."""

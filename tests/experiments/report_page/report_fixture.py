@@ -24,17 +24,21 @@ method = "path"
 seconds = 2
 [[method]]
 name = "path"
+label = "path spp=64"
 spp = [16, 64]
 [[method]]
 name = "photon_mapper"
+label = "photon_mapper photons=2000 spp=8"
 photons = 2000
 spp = 8
 [[method]]
 name = "radiosity"
+label = "radiosity patch=0.2 spp=8"
 patch = 0.2
 spp = 8
 [[method]]
 name = "bidirectional"
+label = "bidirectional techniques=on spp=8"
 techniques = "on"
 spp = 8
 """

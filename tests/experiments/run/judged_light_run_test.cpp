@@ -52,7 +52,7 @@ TEST_F(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
     EXPECT_THAT(footings("path spp=512"), Contains("total differs"));
     EXPECT_THAT(footings("path spp=256"), Not(Contains(HasSubstr("differs"))));
     const std::string text = read_file(results("table.md"));
-    EXPECT_THAT(text, HasSubstr("- tiny: Warning: path spp=512 differs from the reference in mean energy: `total` +"));
+    EXPECT_THAT(text, HasSubstr("- tiny: Warning: path differs from the reference in mean energy: `total` +"));
     EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
 }
 
@@ -66,7 +66,7 @@ TEST_F(FootingRun, EqualImagesOfAnUnbiasedMethodTellNothing) {
     brighten(results(""), "path spp=32", 0.f);
     ASSERT_EQ(gibench("report results/e").code, 0);
     EXPECT_THAT(footings("path spp=32"), AllOf(Contains("total unresolved"), Not(Contains(HasSubstr("differs")))));
-    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("Warning: path spp=32")));
+    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("Warning: path")));
 }
 
 TEST_F(FootingRun, AnExperimentWithoutLightHasNoTable) {
@@ -144,10 +144,10 @@ protected:
 };
 
 TEST_F(UnjudgedLight, HasNoCheapestMethod) {
-    EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-                AllOf(HasSubstr("No method is the cheapest: the reference does not judge the light of `caustic`"),
-                      Not(HasSubstr("is the cheapest at")), Not(HasSubstr("## When the best method changes")),
-                      Not(HasSubstr("## Pareto frontier"))))
+    EXPECT_THAT(
+        table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
+        AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("| cheapest")),
+              Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
         << "neither the reference nor a method has the caustic";
     EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
 }
@@ -155,13 +155,13 @@ TEST_F(UnjudgedLight, HasNoCheapestMethod) {
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
     EXPECT_THAT(
         table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
-        AllOf(HasSubstr("No method is the cheapest"), HasSubstr("not judged"), Not(HasSubstr("is the cheapest at"))));
+        AllOf(HasSubstr("the reference does not judge"), HasSubstr("not judged"), Not(HasSubstr("| cheapest"))));
 }
 
 TEST_F(UnjudgedLight, KeepsAMethodThatLeavesItOutFromWinning) {
     EXPECT_THAT(table("auto", "[[method]]\nname = 'path'\nspp = 4096\n[[method]]\nname = 'vcm'\nspp = 16\n"),
-                AllOf(HasSubstr("light of caustic"), Not(HasSubstr("No method is the cheapest")),
-                      Not(HasSubstr("`path spp=4096` is the cheapest"))));
+                AllOf(HasSubstr("light of caustic"), Not(HasSubstr("the reference does not judge")),
+                      Not(ContainsRegex("[|] path [|][^\n]*[|] cheapest"))));
 }
 
 }  // namespace

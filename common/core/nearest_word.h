@@ -13,5 +13,7 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
 
 /// "; did you mean 'render'?", or nothing if no known word is near.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
+/// The same before another sentence: a full stop if no known word is near.
+std::string did_you_mean_or_stop(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace gib

@@ -1,4 +1,4 @@
-#include "experiments/text/nearest_word.h"
+#include "common/core/nearest_word.h"
 
 #include <algorithm>
 #include <numeric>
@@ -40,6 +40,11 @@ std::string nearest_word(std::string_view word, const std::vector<std::string>& 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
     const std::string nearest = nearest_word(word, known);
     return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+std::string did_you_mean_or_stop(std::string_view word, const std::vector<std::string>& known) {
+    const std::string question = did_you_mean(word, known);
+    return question.empty() ? "." : question;
 }
 
 }  // namespace gib

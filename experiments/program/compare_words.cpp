@@ -1,0 +1,181 @@
+#include "experiments/program/compare_words.h"
+
+#include "common/color/srgb.h"
+#include "common/core/math.h"
+#include "experiments/analysis/error_fields.h"
+#include "experiments/results/color_maps.h"
+#include "experiments/text/numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace gib {
+
+namespace {
+
+Image mean_of(const std::vector<Image>& images) {
+    Image mean(images.front().width, images.front().height);
+    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
+        double sum = 0;
+        for (const Image& image : images)
+            sum += static_cast<double>(image.rgb[i]);
+        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
+    }
+    return mean;
+}
+
+Image scaled(Image image, double factor) {
+    for (float& value : image.rgb)
+        value = static_cast<float>(static_cast<double>(value) * factor);
+    return image;
+}
+
+/// The image with pixel (x, y) from (columns(x), rows(y)).
+Image turned(const Image& image, bool mirrored, bool upside_down) {
+    Image result(image.width, image.height);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const int from_x = mirrored ? image.width - 1 - x : x, from_y = upside_down ? image.height - 1 - y : y;
+            const auto place = [&](int column, int row) {
+                return static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(column);
+            };
+            result.set(place(x, y), image.at(place(from_x, from_y)));
+        }
+    return result;
+}
+
+Image with_red_and_blue_swapped(Image image) {
+    for (std::size_t p = 0; p < image.pixels(); ++p)
+        std::swap(image.rgb[3 * p], image.rgb[3 * p + 2]);
+    return image;
+}
+
+/// The squared relative error that is left after the image is scaled by its own brightness.
+double scaled_error2(const Image& image, const ReferenceLayer& reference, const Denominators& denominators) {
+    const double factor = brightness(image, reference, denominators).factor;
+    const Image& total = denominators.plain();
+    double sum = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); ++i)
+        sum += sqr(double{image.rgb[i]} / factor - double{reference.mean.rgb[i]}) /
+               (sqr(double{total.rgb[i]}) + denominators.epsilon());
+    return sum / static_cast<double>(image.rgb.size());
+}
+
+/// How the image would fit better; empty if it does not, by half of the squared error at least.
+std::string better_fit(const Image& image, const ReferenceLayer& reference, const Denominators& denominators) {
+    const double plain = scaled_error2(image, reference, denominators);
+    std::string best;
+    double least = plain / 2;
+    for (const auto& [name, other] : {std::pair("upside down", turned(image, false, true)),
+                                      {"mirrored left to right", turned(image, true, false)},
+                                      {"turned by 180 degrees", turned(image, true, true)},
+                                      {"with red and blue swapped", with_red_and_blue_swapped(image)}})
+        if (const double error2 = scaled_error2(other, reference, denominators); error2 < least) {
+            least = error2;
+            best = name;
+        }
+    return best;
+}
+
+bool is_grey(const Image& image) {
+    for (std::size_t p = 0; p < image.pixels(); ++p)
+        if (image.rgb[3 * p] != image.rgb[3 * p + 1] || image.rgb[3 * p] != image.rgb[3 * p + 2]) return false;
+    return true;
+}
+
+}  // namespace
+
+bool Brightness::differs() const { return std::abs(factor - 1) > std::max(0.01, 4 * deviation); }
+
+Brightness brightness(const Image& image, const ReferenceLayer& reference, const Denominators& denominators) {
+    constexpr int side = 8;
+    const Image& r = reference.mean;
+    const Image& total = denominators.plain();
+    const int across = (r.width + side - 1) / side, down = (r.height + side - 1) / side;
+    std::vector<double> xr(static_cast<std::size_t>(across * down)), rr(xr.size());
+    double sum_xr = 0, sum_rr = 0;
+    for (std::size_t i = 0; i < r.rgb.size(); ++i) {
+        const double weight = 1 / (sqr(double{total.rgb[i]}) + denominators.epsilon());
+        const int x = static_cast<int>(i / 3) % r.width, y = static_cast<int>(i / 3) / r.width;
+        const auto block = static_cast<std::size_t>(y / side * across + x / side);
+        const double own_xr = weight * double{image.rgb[i]} * double{r.rgb[i]}, own_rr = weight * sqr(double{r.rgb[i]});
+        xr[block] += own_xr;
+        rr[block] += own_rr;
+        sum_xr += own_xr;
+        sum_rr += own_rr;
+    }
+    // The reference's noise makes r^2 larger on average.
+    const double noise = sqr(relative_standard_error(reference, denominators)) * static_cast<double>(r.rgb.size());
+    const double norm = sum_rr - noise;
+    if (!(norm > 0) || !(sum_xr > 0)) return {};
+    Brightness result{sum_xr / norm, 0};
+    double variance = 0;
+    for (std::size_t b = 0; b < xr.size(); ++b)
+        variance += sqr(xr[b] - result.factor * rr[b]);
+    result.deviation = std::sqrt(variance) / norm;
+    return result;
+}
+
+std::string comparison_sentence(const std::vector<Image>& tests, const ReferenceLayer& reference,
+                                const Denominators& denominators) {
+    for (const Image& test : tests)
+        if (test.non_finite_values() > 0) return "values that are not finite have no error";
+    const Image mean = mean_of(tests);
+    const Brightness of_mean = brightness(mean, reference, denominators);
+    const bool is_scaled = of_mean.differs();
+    std::vector<Image> compared;
+    for (const Image& test : tests)
+        compared.push_back(is_scaled ? scaled(test, 1 / of_mean.factor) : test);
+    const double error2 = replicate_statistics(compared, reference, denominators).rel_mse_corrected;
+    const double resolved = least_resolved(reference, denominators);
+    std::string text;
+    if (is_scaled)
+        text = fmt::format("{} times too {}; scaled, ",
+                           short_number(of_mean.factor > 1 ? of_mean.factor : 1 / of_mean.factor),
+                           of_mean.factor > 1 ? "bright" : "dark");
+    if (resolved > 0 && error2 <= resolved)
+        text += fmt::format("the rest is within the reference's noise of {} %",
+                            percent_text(relative_standard_error(reference, denominators)));
+    else text += fmt::format("relative RMSE {} %", percent_text(std::sqrt(at_least_zero(error2))));
+    if (const std::string fit = better_fit(mean, reference, denominators); !fit.empty()) text += "; fits better " + fit;
+    return text;
+}
+
+std::string doubts_about_image(const Image& image, const Image& reference) {
+    if (image.non_finite_values() > 0) return "";
+    std::string doubts;
+    const auto add = [&](const std::string& doubt) { doubts += (doubts.empty() ? "" : "; ") + doubt; };
+    const std::set<float> levels(image.rgb.begin(), image.rgb.end());
+    if (levels.size() < 2) return "";
+    constexpr std::size_t byte_levels = 256;
+    if (levels.size() <= byte_levels && image.rgb.size() >= 16 * byte_levels)
+        add(fmt::format("it has {} different values only, as an image of 8 bits has", levels.size()));
+    // A lamp in the picture has many pixels of one value, too, but so it has in the reference.
+    const float largest = *levels.rbegin();
+    const auto is_largest = std::count(image.rgb.begin(), image.rgb.end(), largest);
+    const auto is_above =
+        std::count_if(reference.rgb.begin(), reference.rgb.end(), [&](float value) { return value > 1.05f * largest; });
+    if (largest > 0 && is_largest >= 4 && 2 * is_above >= is_largest)
+        add(fmt::format("it is clipped at {}, where the reference is brighter", short_number(double{largest})));
+    if (is_grey(image) && !is_grey(reference)) add("it is grey, and the reference has colours");
+    return doubts;
+}
+
+Image difference_image(const Image& image, const Image& reference, double epsilon) {
+    Image difference(image.width, image.height);
+    for (std::size_t p = 0; p < image.pixels(); ++p) {
+        double mean = 0;
+        for (std::size_t i = 3 * p; i < 3 * p + 3; ++i)
+            mean += (double{image.rgb[i]} - double{reference.rgb[i]}) /
+                    std::sqrt(sqr(double{reference.rgb[i]}) + epsilon) / 3;
+        const Color srgb = scale_color(bias_colors(), static_cast<float>(std::isfinite(mean) ? 0.5 + 0.5 * mean : 1));
+        difference.set(p, {linear_from_srgb(srgb[0]), linear_from_srgb(srgb[1]), linear_from_srgb(srgb[2])});
+    }
+    return difference;
+}
+
+}  // namespace gib

@@ -1,0 +1,173 @@
+#include "experiments/program/run_comparison.h"
+
+#include "experiments/analysis/contest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// A number of a cell in both runs, as contenders, whose scatter is to be told.
+struct Pair {
+    Change change;
+    Contender before, after;
+};
+
+/// One scene in both runs.
+class ScenePairs {
+public:
+    ScenePairs(const Analysis& before, const Analysis& after, const std::string& scene)
+        : scene_(scene), before_(before, scene), after_(after, scene) {}
+
+    bool has_both(const std::string& method) const {
+        return before_.cells().count(method) > 0 && after_.cells().count(method) > 0;
+    }
+
+    /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in both
+    /// runs.
+    std::vector<std::vector<Pair>> all(const std::vector<std::string>& methods) const {
+        std::vector<std::vector<Pair>> numbers;
+        std::vector<Pair> errors;
+        for (const std::string& method : methods) {
+            const double seconds =
+                std::min(mean_seconds(before_.cells().at(method)), mean_seconds(after_.cells().at(method)));
+            add(method, before_.after(seconds), after_.after(seconds), Change::Of::error, seconds, errors);
+        }
+        numbers.push_back(std::move(errors));
+        for (std::size_t t = 0; t < target_errors.size(); ++t) {
+            const auto ranking = before_.to_error(t), later = after_.to_error(t);
+            std::vector<Pair> times;
+            for (const std::string& method : methods)
+                add(method, ranking, later, Change::Of::seconds, target_errors[t], times);
+            numbers.push_back(std::move(times));
+        }
+        for (std::vector<Pair>& pairs : numbers)
+            set_scatter_of(pairs);
+        return numbers;
+    }
+
+private:
+    static const Contender* known(const std::string& method, const std::vector<Contender>& ranking) {
+        for (const Contender& c : ranking)
+            if (c.method == method && !c.logs.empty() && c.known == Contender::Known::equal) return &c;
+        return nullptr;
+    }
+
+    void add(const std::string& method, const std::vector<Contender>& before, const std::vector<Contender>& after,
+             Change::Of of, double at, std::vector<Pair>& pairs) const {
+        const Contender *a = known(method, before), *b = known(method, after);
+        if (!a || !b) return;
+        pairs.push_back({{.scene = scene_, .method = method, .of = of, .at = at}, *a, *b});
+        // An error that one of the references does not resolve is not above the noise floor of either.
+        if (of == Change::Of::error) {
+            const double floor = std::max(before_.noise_floor(), after_.noise_floor());
+            for (Contender* c : {&pairs.back().before, &pairs.back().after})
+                if (c->mean <= floor) {
+                    c->mean = floor;
+                    std::fill(c->logs.begin(), c->logs.end(), std::log(floor));
+                }
+        }
+    }
+
+    static void set_scatter_of(std::vector<Pair>& pairs) {
+        std::vector<Contender> all;
+        for (const Pair& pair : pairs)
+            all.insert(all.end(), {pair.before, pair.after});
+        set_scatter(all);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            pairs[i].before = std::move(all[2 * i]);
+            pairs[i].after = std::move(all[2 * i + 1]);
+        }
+    }
+
+    std::string scene_;
+    Contest before_, after_;
+};
+
+/// Sets the factor and the verdict, where the interval misses the truth with probability `tail` at most.
+void judge(Pair& pair, double tail, bool is_same_machine) {
+    Change& change = pair.change;
+    const double squares = change.of == Change::Of::error ? 2 : 1;  // contenders have squared errors
+    std::vector<VarianceTerm> terms = pair.before.scatter;
+    terms.insert(terms.end(), pair.after.scatter.begin(), pair.after.scatter.end());
+    const double log_factor = (pair.after.log_mean - pair.before.log_mean) / squares;
+    const double half = half_width(terms, tail) / squares;
+    change.before = std::exp(pair.before.log_mean / squares);
+    change.after = std::exp(pair.after.log_mean / squares);
+    change.factor.value = std::exp(log_factor);
+    if (std::isfinite(half))
+        change.factor.interval = Interval{std::exp(log_factor - half), std::exp(log_factor + half)};
+    if (!is_same_machine) change.verdict = ChangeVerdict::other_machine;
+    if (!is_same_machine || !change.factor.interval) return;
+    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root.
+    const double same = std::pow(same_speed, 1 / squares);
+    const bool has_fallen = pair.after.mean<pair.before.mean, has_risen = pair.after.mean> pair.before.mean;
+    if (change.factor.interval->hi < 1 / same && has_fallen) change.verdict = ChangeVerdict::better;
+    if (change.factor.interval->lo > same && has_risen) change.verdict = ChangeVerdict::worse;
+}
+
+/// The processors that measured a method, and the number of threads.
+std::string machine_of(const Analysis& analysis, const std::string& scene, const std::string& method) {
+    std::string text = std::to_string(analysis.index.threads);
+    if (const TableRow* row = analysis.row(scene, method, Layer::total))
+        for (const std::string& cpu : row->cpus)
+            text += ";" + cpu;
+    return text;
+}
+
+const IndexScene* scene_named(const Analysis& analysis, const std::string& name) {
+    for (const IndexScene& scene : analysis.index.scenes)
+        if (scene.name == name) return &scene;
+    return nullptr;
+}
+
+/// Says which cells only one of the runs has.
+void remark_missing(const Analysis& in, const Analysis& missing_in, const char* which, RunComparison& comparison) {
+    for (const TableRow& row : in.rows)
+        if (row.layer == Layer::total && !missing_in.row(row.scene, row.method, Layer::total))
+            comparison.remarks.push_back(fmt::format("{}, {}: only in the {} run", row.scene, row.method, which));
+}
+
+}  // namespace
+
+const char* name_of(ChangeVerdict verdict) {
+    constexpr const char* names[] = {"better", "worse", "cannot be told", "other machine"};
+    return names[static_cast<std::size_t>(verdict)];
+}
+
+RunComparison compare_runs(const Analysis& before, const Analysis& after) {
+    RunComparison comparison;
+    std::vector<Pair> pairs;
+    for (const std::string& scene : scenes_of(before)) {
+        const IndexScene *old_scene = scene_named(before, scene), *new_scene = scene_named(after, scene);
+        if (old_scene && new_scene && old_scene->content_hash != new_scene->content_hash) {
+            comparison.remarks.push_back(scene + ": not compared, because its content or its resolution has changed");
+            continue;
+        }
+        const ScenePairs both(before, after, scene);
+        std::vector<std::string> methods;
+        for (const std::string& method : before.index.methods)
+            if (both.has_both(method)) methods.push_back(method);
+        const auto numbers = both.all(methods);
+        for (const std::string& method : methods)
+            for (const auto& of_all : numbers)
+                for (const Pair& pair : of_all)
+                    if (pair.change.method == method) pairs.push_back(pair);
+    }
+    for (Pair& pair : pairs) {
+        const auto machine = [&](const Analysis& run) {
+            return machine_of(run, pair.change.scene, pair.change.method);
+        };
+        judge(pair, change_tail / static_cast<double>(pairs.size()), machine(before) == machine(after));
+        comparison.changes.push_back(pair.change);
+    }
+    remark_missing(before, after, "old", comparison);
+    remark_missing(after, before, "new", comparison);
+    return comparison;
+}
+
+}  // namespace gib

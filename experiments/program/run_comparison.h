@@ -1,0 +1,45 @@
+#pragma once
+// Compares two runs of an experiment cell by cell: has a change of the program made a method better or worse?
+//
+// Errors and times of a cell are compared by their logarithms over the seeds, with the scatter that the methods of a scene tell
+// together (ranking.h). Many numbers are compared, so that each interval is wide enough for all of them to hold together
+// (Bonferroni): of two equal runs, any number is called better or worse in one of twenty comparisons at most. That is as far as
+// seeds tell. The speed of a machine differs from run to run besides, so that a change of time below `same_speed` tells nothing.
+
+#include "experiments/analysis/table_row.h"
+
+#include <string>
+#include <vector>
+
+namespace gib {
+
+enum class ChangeVerdict { better, worse, cannot_be_told, other_machine };
+const char* name_of(ChangeVerdict verdict);
+
+/// The probability that equal runs differ in any number.
+inline constexpr double change_tail = 0.05;
+/// A factor of time within which two runs on one machine count as equally fast.
+inline constexpr double same_speed = 1.05;
+
+/// One number of a cell in both runs. Less is better.
+struct Change {
+    enum class Of { error, seconds };
+    std::string scene, method;  ///< method: a label
+    Of of = Of::error;
+    double at = 0;  ///< of an error: the time after which it is compared [s]; of seconds: the relative RMSE
+    double before = 0, after = 0;  ///< relative RMSE or seconds, geometric means over the seeds
+    Estimate factor = {};          ///< after / before; its interval holds together with those of all other changes
+    ChangeVerdict verdict = ChangeVerdict::cannot_be_told;
+};
+
+struct RunComparison {
+    std::vector<Change> changes;       ///< in the order of scenes, methods, error before seconds
+    std::vector<std::string> remarks;  ///< what is not compared, and why
+};
+
+/// Compares the totals of those cells that both runs have. Errors are compared after the time that the shorter of both runs
+/// took; an error below what one of the references resolves counts as equal to that. Times are compared where all seeds
+/// of both runs have reached an error.
+RunComparison compare_runs(const Analysis& before, const Analysis& after);
+
+}  // namespace gib

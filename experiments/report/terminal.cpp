@@ -1,0 +1,87 @@
+#include "experiments/report/terminal.h"
+
+#include "experiments/analysis/curves.h"
+#include "experiments/analysis/same_method.h"
+#include "experiments/analysis/short_names.h"
+#include "experiments/report/answers.h"
+#include "experiments/report/field_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace gib {
+
+namespace {
+
+// The head takes a line, and so does the name of the only scene.
+constexpr std::size_t most_lines = 12, most_columns = 80;
+
+struct Line {
+    std::string scene, error, method, seconds, factor, consists_of;
+};
+
+/// The text, at most `width` characters of it.
+std::string cut(const std::string& text, std::size_t width) {
+    return text.size() <= width ? text : text.substr(0, width - 2) + "..";
+}
+
+Line line_of(const std::string& scene, const VerdictRow& v) {
+    const std::string of = v.parts.empty() || v.kind.empty() ? v.parts + v.kind : v.parts + "; " + v.kind;
+    return {.scene = scene,
+            .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
+            .method = v.method,
+            .seconds = text_of(v.seconds).value,
+            .factor = text_of(v.factor).value,
+            .consists_of = v.method.empty() ? v.remark : of};
+}
+
+std::size_t width_of(const std::vector<Line>& lines, std::string Line::*column, std::size_t most) {
+    std::size_t width = 0;
+    for (const Line& line : lines)
+        width = std::max(width, (line.*column).size());
+    return std::min(width, most);
+}
+
+}  // namespace
+
+std::string terminal_verdict(const Analysis& whole) {
+    const Analysis analysis = with_short_names(one_label_a_method(whole));
+    std::vector<Line> all, best;
+    for (const std::string& scene : scenes_of(analysis)) {
+        std::optional<std::size_t> last = most_lines;  // no target
+        for (const VerdictRow& v : verdict(analysis, scene)) {
+            all.push_back(line_of(scene, v));
+            if (v.target != last) best.push_back(all.back());
+            last = v.target;
+        }
+    }
+    if (all.empty()) return "";
+    const std::size_t room = most_lines - 2;
+    std::vector<Line> lines = all.size() <= room ? all : best;
+    const std::size_t more = lines.size() > room ? lines.size() - (room - 1) : 0;
+    lines.resize(lines.size() - more);
+    lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times", "its squared error"});
+    // One scene needs no column.
+    const bool has_scenes = std::any_of(all.begin(), all.end(), [&](const Line& l) { return l.scene != all[0].scene; });
+    const std::size_t scene = has_scenes ? width_of(lines, &Line::scene, 16) + 1 : 0,
+                      error = width_of(lines, &Line::error, 5), method = width_of(lines, &Line::method, 28),
+                      seconds = width_of(lines, &Line::seconds, 14), factor = width_of(lines, &Line::factor, 14);
+    std::string text = has_scenes ? "" : all[0].scene + "\n";
+    for (const Line& line : lines) {
+        std::string row =
+            fmt::format("{:<{}}{:>{}}  ", has_scenes ? cut(line.scene, scene - 1) : "", scene, line.error, error);
+        if (line.method.empty()) row += "none: " + line.consists_of;
+        else
+            row += fmt::format("{:<{}} {:>{}} {:>{}}  {}", cut(line.method, method), method, cut(line.seconds, seconds),
+                               seconds, cut(line.factor, factor), factor, line.consists_of);
+        std::string shown = cut(row, most_columns);
+        shown.erase(shown.find_last_not_of(' ') + 1);
+        text += shown + "\n";
+    }
+    if (more > 0) text += fmt::format("and {} more in table.md\n", more);
+    return text;
+}
+
+}  // namespace gib

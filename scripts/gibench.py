@@ -1,0 +1,64 @@
+"""Results of gibench in Python: tables as records, layers of images as arrays, experiments from a notebook.
+
+    import sys; sys.path.append("scripts")
+    import gibench
+    folder = gibench.run("experiments/first-look.toml", "--seeds", "3")
+    rows = gibench.table(folder)                          # dicts: pandas.DataFrame(rows) takes them as they are
+    image = gibench.layers("x.exr")["caustic"]            # float32, height x width x 3, row 0 on top
+
+It needs numpy and OpenImageIO (Debian: scripts/packages-python.txt) and computes no metric.
+"""
+import csv
+import os
+import subprocess
+
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+PROGRAM = os.path.join(ROOT, "build", "release", "experiments", "gibench")
+# Columns that hold words even where these look like numbers.
+WORDS = {"scene", "method", "label", "component", "passes", "cpu"}
+
+
+def value_of(column, text):
+    """A number, None for an empty field, or the words as they are."""
+    if text == "":
+        return None
+    if column in WORDS:
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def table(folder, name="table.csv"):
+    """The rows of a CSV file in a result folder as dicts by column: numbers, words, or None where a field is empty."""
+    with open(os.path.join(folder, name), encoding="utf-8", newline="") as file:
+        return [{column: value_of(column, text) for column, text in row.items()} for row in csv.DictReader(file, strict=True)]
+
+
+def layers(path):
+    """The layers of an image by name: arrays of linear radiance [W/(sr m^2)], float32, height x width x 3, row 0 on top.
+    "" is the image itself; references also have `stderr`. Raises OSError for a file that cannot be read."""
+    import OpenImageIO  # the tables need none of it
+    file = OpenImageIO.ImageInput.open(path)
+    if not file:
+        raise OSError(f"{path}: {OpenImageIO.geterror()}")
+    names = file.spec().channelnames
+    values = file.read_image(OpenImageIO.FLOAT)
+    file.close()
+    found = {}
+    for name in names:
+        layer, _, channel = name.rpartition(".")
+        rgb = [f"{layer}.{c}" if layer else c for c in "RGB"]
+        if channel == "R" and all(c in names for c in rgb):
+            found[layer] = values[:, :, [names.index(c) for c in rgb]]
+    return found
+
+
+def run(experiment, *options, out=None, program=PROGRAM):
+    """Runs `gibench run EXPERIMENT --out OUT OPTIONS...` and returns the folder of the results: `out`, else results/ and the
+    file's name in the current folder. Complete cells are kept. Raises subprocess.CalledProcessError if it fails; what it
+    says stands on stderr."""
+    folder = out or os.path.join("results", os.path.splitext(os.path.basename(experiment))[0])
+    subprocess.run([program, "run", experiment, "--out", folder, *options], check=True, stdout=subprocess.DEVNULL)
+    return folder

@@ -1,0 +1,132 @@
+"""Draws the reference and the methods' images after equal time side by side, with crops enlarged below them."""
+import glob
+import json
+import math
+import os
+import textwrap
+from dataclasses import dataclass
+
+import numpy
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from plotting.result_tables import InputError, select, unique
+
+CROP_COLORS = ("#e69f00", "#56b4e9", "#cc79a7", "#009e73")
+LATE = 1.1  # as in the report, an image may be a tenth later than the time at which all are compared
+GAP, TEXT, LETTER = 0.04, 0.11, 0.05  # inches
+
+
+@dataclass
+class Shown:
+    """An image, linear radiance of height x width x 3, and the words below it."""
+    name: str
+    detail: str
+    pixels: numpy.ndarray
+
+
+def equal_time(curves):
+    """The shortest mean time of the methods' final images [s]."""
+    means = []
+    for method in unique(row["method"] for row in curves):
+        rows = select(curves, method=method)
+        last = [max((row for row in select(rows, seed=seed)), key=lambda row: row["pass"])["seconds"]
+                for seed in unique(row["seed"] for row in rows)]
+        means.append(math.fsum(last) / len(last))
+    return min(means)
+
+
+def cell_folders(folder):
+    """The folders of seed 1 by (scene, label)."""
+    found = {}
+    for path in sorted(glob.glob(os.path.join(glob.escape(folder), "cells", "*", "cell.json"))):
+        with open(path, encoding="utf-8") as file:
+            record = json.load(file)
+        if record["seed"] == 1:
+            found[record["scene"], record["method"]] = os.path.dirname(path)
+    return found
+
+
+def image_by(cell, rows, seconds):
+    """The file and the row of curves.csv of seed 1's last image that was kept by then, else of its first."""
+    rows = sorted(rows, key=lambda row: row["pass"])
+    files = {row["pass"]: os.path.join(cell, "frames", f"{row['pass']:.0f}.exr") for row in rows[:-1]}
+    files[rows[-1]["pass"]] = os.path.join(cell, "final.exr")
+    kept = [row for row in rows if os.path.exists(files[row["pass"]])]
+    if not kept:
+        raise InputError(f"{cell}: it holds no image")
+    by_then = [row for row in kept if row["seconds"] <= LATE * seconds]
+    row = by_then[-1] if by_then else kept[0]
+    return files[row["pass"]], row
+
+
+def shown_images(folder, scene, curves, labels, read):
+    """The reference and an image of each method of `labels` (names by label); `read` returns the pixels of a file."""
+    seconds = equal_time(curves)
+    cells = cell_folders(folder)
+    images = [Shown("reference", "", read(os.path.join(folder, "images", f"{scene}-reference.exr")))]
+    for method, name in labels.items():
+        rows = select(curves, method=method, seed="1")
+        if not rows or (scene, method) not in cells:
+            continue
+        path, row = image_by(cells[scene, method], rows, seconds)
+        error = row["rel_mse_corrected"]
+        percent = f"{100 * math.sqrt(error):#.3g} %, " if error is not None and error > 0 else ""
+        images.append(Shown(name, f"{percent}{row['seconds']:#.3g} s", read(path)))
+    return images
+
+
+def checked_crop(crop, pixels):
+    x, y, width, height = crop
+    if x + width > pixels.shape[1] or y + height > pixels.shape[0]:
+        raise InputError(f"--crop {x},{y},{width},{height} exceeds the image of {pixels.shape[1]} x {pixels.shape[0]} pixels")
+    return crop
+
+
+def srgb(pixels, exposure):
+    linear = numpy.clip(numpy.nan_to_num(pixels * exposure), 0, 1)
+    return numpy.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def image_sheet(images, crops, width):
+    """A figure `width` inches wide: a column for each image, its crops below it, its name and its error below these."""
+    reference = images[0].pixels
+    crops = [checked_crop(crop, reference) for crop in crops]
+    if any(image.pixels.shape != reference.shape for image in images):
+        raise InputError("images along the curve are smaller than the film, so that crops would not agree")
+    luminance = float((reference @ numpy.array([0.212671, 0.715160, 0.072169])).mean())
+    exposure = 0.3 / luminance if luminance > 0 else 1  # as in the report
+    column = (width - GAP * (len(images) - 1)) / len(images)
+    heights = [column * reference.shape[0] / reference.shape[1], *(column * crop[3] / crop[2] for crop in crops)]
+    letters = max(int(column / LETTER), 6)
+    texts = [[*textwrap.wrap(image.name, letters, break_on_hyphens=False), image.detail] for image in images]
+    height = sum(heights) + GAP * len(crops) + (max(map(len, texts)) + 0.4) * TEXT
+    figure = Figure(figsize=(width, height))
+    for number, image in enumerate(images):
+        left, top = number * (column + GAP), height
+        for place, size in enumerate(heights):
+            axes = figure.add_axes((left / width, (top - size) / height, column / width, size / height))
+            axes.set_axis_off()
+            if place == 0:
+                axes.imshow(srgb(image.pixels, exposure), interpolation="none", aspect="auto")
+                for color, (x, y, w, h) in zip(CROP_COLORS, crops):
+                    axes.add_patch(Rectangle((x - 0.5, y - 0.5), w, h, fill=False, edgecolor=color, linewidth=0.8))
+            else:
+                x, y, w, h = crops[place - 1]
+                axes.imshow(srgb(image.pixels[y:y + h, x:x + w], exposure), interpolation="none", aspect="auto")
+                axes.add_patch(Rectangle((0, 0), 1, 1, transform=axes.transAxes, fill=False, linewidth=1.6,
+                                         edgecolor=CROP_COLORS[(place - 1) % len(CROP_COLORS)]))
+            top -= size + GAP
+        for line, text in enumerate(texts[number], 1):
+            figure.text((left + column / 2) / width, (top + GAP - line * TEXT) / height, text, ha="center", fontsize=6,
+                        fontfamily="sans-serif")
+    return figure
+
+
+def caption(images, scene, seconds, escaped):
+    """A LaTeX figure that shows the PDF."""
+    words = "; ".join(f"{image.name}: {image.detail}" for image in images[1:])
+    return "\n".join([
+        r"\begin{figure}", r"  \centering", rf"  \includegraphics[width=\linewidth]{{images-{scene}.pdf}}",
+        rf"  \caption{{{escaped(scene)} after {seconds:.3g}\,s: relative RMSE and time of one image. {escaped(words)}.}}",
+        r"\end{figure}", ""])

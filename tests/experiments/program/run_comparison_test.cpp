@@ -1,0 +1,132 @@
+// Two runs of an experiment: equal ones are not told apart, unequal ones are, and what does not compare is said.
+
+#include "experiments/program/run_comparison.h"
+
+#include "experiments/program/compare_runs.h"
+#include "tests/support/analysis_fixtures.h"
+#include "tests/support/matchers.h"
+
+#include <cmath>
+#include <random>
+#include <sstream>
+
+namespace gib::test::run_comparison_test {
+namespace {
+
+/// A run of three methods with skewed errors, one of which is noisier, and times that scatter by 3 %. `slower` and
+/// `noisier` are factors of the first method's time and squared error.
+Analysis simulated_run(int seeds, std::mt19937_64& random, double slower = 1, double noisier = 1) {
+    std::normal_distribution<double> normal;
+    std::vector<Cell> cells;
+    for (const auto& [method, sigma] : {std::pair("a", 0.1), {"b", 0.3}, {"c", 0.8}})
+        for (int seed = 1; seed <= seeds; ++seed) {
+            const bool is_changed = std::string(method) == "a";
+            const double level = std::exp(sigma * normal(random) - 0.5 * sigma * sigma) * (is_changed ? noisier : 1);
+            const double pass = 0.25 * (1 + 0.03 * normal(random)) * (is_changed ? slower : 1);
+            Cell cell = cell_of(method, static_cast<std::uint64_t>(seed));
+            for (int i = 0; i <= 6; ++i)
+                cell.checkpoints.push_back(
+                    checkpoint_of(1u << i, pass * std::ldexp(1, i), 4e-3 * level / std::ldexp(0.25, i)));
+            cells.push_back(std::move(cell));
+        }
+    return analysis_of(cells);
+}
+
+std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict, const std::string& method = "") {
+    return static_cast<std::size_t>(
+        std::count_if(comparison.changes.begin(), comparison.changes.end(), [&](const Change& change) {
+            return change.verdict == verdict && (method.empty() || change.method == method);
+        }));
+}
+
+// The promise is 5 % of the pairs, for all their numbers together. Of 200 pairs with 5 %, 16 or fewer are told apart with a
+// probability of 98 %.
+TEST(CompareRuns, EqualRunsAreNotToldApart) {
+    for (const int seeds : {2, 3, 5}) {
+        std::mt19937_64 random(static_cast<std::uint64_t>(71 + seeds));
+        int told_apart = 0;
+        for (int pair = 0; pair < 200; ++pair) {
+            const Analysis before = simulated_run(seeds, random), after = simulated_run(seeds, random);
+            const RunComparison comparison = compare_runs(before, after);
+            ASSERT_GE(comparison.changes.size(), 6u);
+            told_apart += count_of(comparison, ChangeVerdict::better) + count_of(comparison, ChangeVerdict::worse) > 0;
+        }
+        EXPECT_LE(told_apart, 16) << seeds << " seeds";
+    }
+}
+
+TEST(CompareRuns, AMethodThatTakesTwiceAsLongIsWorse) {
+    std::mt19937_64 random(5);
+    int found = 0, others = 0;
+    for (int pair = 0; pair < 20; ++pair) {
+        const Analysis before = simulated_run(5, random), after = simulated_run(5, random, 2);
+        const RunComparison slower = compare_runs(before, after), faster = compare_runs(after, before);
+        found += count_of(slower, ChangeVerdict::worse, "a") > 0 && count_of(faster, ChangeVerdict::better, "a") > 0;
+        others += count_of(slower, ChangeVerdict::worse, "b") + count_of(slower, ChangeVerdict::worse, "c") > 0;
+    }
+    EXPECT_GE(found, 18);
+    EXPECT_LE(others, 4);
+}
+
+TEST(CompareRuns, AnErrorThatHasFallenIsBetter) {
+    std::mt19937_64 random(6);
+    const RunComparison comparison = compare_runs(simulated_run(5, random), simulated_run(5, random, 1, 0.25));
+    const Change& error = comparison.changes.front();
+    EXPECT_EQ(error.method, "a");
+    EXPECT_EQ(error.of, Change::Of::error);
+    EXPECT_EQ(error.verdict, ChangeVerdict::better);
+    EXPECT_NEAR(error.factor.value, 0.5, 0.08);
+    EXPECT_NEAR(error.after / error.before, error.factor.value, 1e-12) << "her own arithmetic";
+    EXPECT_THAT(change_text(comparison), AllOf(HasSubstr("box, a\n"), HasSubstr("better")));
+    EXPECT_EQ(change_table(comparison).rows.size(), comparison.changes.size());
+}
+
+// Equal errors after times that differ by less than machines do.
+TEST(CompareRuns, ASlightlySlowerMachineIsNoChange) {
+    std::vector<Cell> before, after;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        before.push_back(run_of("a", 4e-3 * (1 + 1e-4 * static_cast<double>(seed)), 0.5, 16, 0, seed));
+        after.push_back(before.back());
+        for (CellCheckpoint& c : after.back().checkpoints)
+            c.checkpoint.seconds *= 1.04;
+    }
+    const RunComparison comparison = compare_runs(analysis_of(before), analysis_of(after));
+    EXPECT_EQ(count_of(comparison, ChangeVerdict::cannot_be_told), comparison.changes.size());
+    EXPECT_GE(comparison.changes.size(), 3u);
+}
+
+TEST(CompareRuns, OneSeedTellsNothing) {
+    const Analysis before = analysis_of({run_of("a", 4e-3, 0.5, 16)}),
+                   after = analysis_of({run_of("a", 4e-1, 0.5, 16)});
+    for (const Change& change : compare_runs(before, after).changes)
+        EXPECT_EQ(change.verdict, ChangeVerdict::cannot_be_told);
+}
+
+TEST(CompareRuns, OtherMachinesScenesAndMethodsAreSaid) {
+    std::mt19937_64 random(8);
+    const Analysis before = simulated_run(3, random, 10);
+    Analysis after = simulated_run(3, random);
+    for (TableRow& row : after.rows)
+        row.cpus = {"another"};
+    EXPECT_EQ(count_of(compare_runs(before, after), ChangeVerdict::better), 0u);
+    EXPECT_GE(count_of(compare_runs(before, after), ChangeVerdict::other_machine), 6u);
+
+    Analysis renamed = simulated_run(3, random);
+    for (TableRow& row : renamed.rows)
+        if (row.method == "c") row.method = "d";
+    for (Cell& cell : renamed.cells)
+        if (cell.method == "c") cell.method = "d";
+    EXPECT_THAT(compare_runs(before, renamed).remarks,
+                ElementsAre("box, c: only in the old run", "box, d: only in the new run"));
+
+    Analysis old_scene = before, new_scene = before;
+    old_scene.index.scenes = {{"box", "box.xml", "hash 1", "r", "path", 0.01, {}}};
+    new_scene.index.scenes = {{"box", "box.xml", "hash 2", "r", "path", 0.01, {}}};
+    const RunComparison changed = compare_runs(old_scene, new_scene);
+    EXPECT_TRUE(changed.changes.empty());
+    EXPECT_THAT(changed.remarks, ElementsAre(HasSubstr("has changed")));
+    EXPECT_THAT(change_text(changed), HasSubstr("nothing to compare"));
+}
+
+}  // namespace
+}  // namespace gib::test::run_comparison_test

@@ -1,0 +1,110 @@
+"""Tests of scripts/gibench.py with a small experiment: numbers against the CSV files, layers against oiiotool and their sum.
+Usage: gibench_py_test.py GIBENCH. Exit code 77: skipped."""
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+try:
+    import numpy
+    import OpenImageIO  # noqa: F401  layers() needs it
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(77)
+import gibench  # noqa: E402  found by the line above
+
+PROGRAM = sys.argv.pop() if len(sys.argv) > 1 else gibench.PROGRAM
+EXPERIMENT = """
+scenes = ["{root}/scenes/cornell-box.xml"]
+resolution = [16, 12]
+seeds = 2
+budget = {{ passes = 2 }}
+reference = {{ target = "50%" }}
+[[method]]
+name = "path"
+label = "paths, 2 of them"
+"""
+
+
+class Module(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.parent = tempfile.TemporaryDirectory()
+        cls.folder = os.path.join(cls.parent.name, "out")
+        cls.experiment = os.path.join(cls.parent.name, "e.toml")
+        with open(cls.experiment, "w", encoding="utf-8") as file:
+            file.write(EXPERIMENT.format(root=ROOT))
+        before = os.getcwd()
+        os.chdir(cls.parent.name)  # results/references
+        try:
+            cls.returned = gibench.run(cls.experiment, "--threads", "1", out=cls.folder, program=PROGRAM)
+        finally:
+            os.chdir(before)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.parent.cleanup()
+
+    def test_run_returns_the_folder_of_the_results(self):
+        self.assertEqual(self.returned, self.folder)
+        self.assertTrue(os.path.exists(os.path.join(self.folder, "report.html")))
+
+    def test_table_has_every_row_with_its_numbers(self):
+        rows = gibench.table(self.folder)
+        with open(os.path.join(self.folder, "table.csv"), encoding="utf-8", newline="") as file:
+            records = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(records))
+        for row, record in zip(rows, records):
+            self.assertEqual(row["method"], "path")
+            self.assertEqual(row["label"], "paths, 2 of them")
+            self.assertEqual(row["rel_mse"], float(record["rel_mse"]) if record["rel_mse"] else None)
+            self.assertIsNone(row["effects_missing"])
+        self.assertEqual([row["pass"] for row in gibench.table(self.folder, "curves.csv")], [1, 2, 1, 2])
+
+    def test_layers_are_those_of_the_file(self):
+        name = next(n for n in os.listdir(os.path.join(self.folder, "images")) if n.endswith(".exr") and "reference" not in n)
+        path = os.path.join(self.folder, "images", name)
+        layers = gibench.layers(path)
+        self.assertEqual(layers[""].shape, (12, 16, 3))
+        self.assertEqual(layers[""].dtype, numpy.float32)
+        parts = [layer for name, layer in layers.items() if name]
+        self.assertGreater(len(parts), 2)
+        numpy.testing.assert_allclose(sum(parts), layers[""], rtol=1e-5, atol=1e-6)
+        said = subprocess.run(["oiiotool", "--dumpdata", path], capture_output=True, text=True, check=True)
+        pixel = next(line for line in said.stdout.splitlines() if "(3, 5)" in line)  # column 3, row 5 from the top
+        numbers = [float(word) for word in pixel.split(":")[-1].split()]
+        self.assertTrue(any(abs(number - layers[""][5, 3, 1]) < 1e-5 for number in numbers), pixel)
+        self.assertIn("stderr", gibench.layers(os.path.join(self.folder, "images", "cornell-box-reference.exr")))
+
+    def test_plot_draws_the_images_with_crops(self):
+        def plot(*options):
+            return subprocess.run([os.path.join(ROOT, "scripts", "plot"), self.folder, "--images", "--format", "png", *options],
+                                  capture_output=True, text=True, check=False)
+        run = plot("--crop", "2,3,4,5")
+        if "matplotlib" in run.stderr:
+            self.skipTest("matplotlib")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        figure = gibench.layers(os.path.join(self.folder, "figures", "images-cornell-box.png"))[""]
+        self.assertGreater(len(numpy.unique(figure)), 20)
+        with open(os.path.join(self.folder, "figures", "images-cornell-box.tex"), encoding="utf-8") as file:
+            caption = file.read()
+        # The image is seed 1's final one, as there is one method only.
+        error, = [row for row in gibench.table(self.folder, "curves.csv") if row["seed"] == 1 and row["pass"] == 2]
+        self.assertIn(f"paths, 2 of them: {100 * error['rel_mse_corrected'] ** 0.5:#.3g} \\%", caption)
+        for options, message in ((("--crop", "9,0,8,8"), "exceeds the image of 16 x 12"), (("--crop", "1,2"), "X,Y,W,H"),
+                                 (("--method", "vcm"), "there is no method of cornell-box 'vcm'")):
+            run = plot(*options)
+            self.assertEqual(run.returncode, 2)
+            self.assertIn(message, run.stderr)
+
+    def test_a_missing_file_is_named(self):
+        with self.assertRaisesRegex(OSError, "nothing.exr"):
+            gibench.layers(os.path.join(self.folder, "nothing.exr"))
+
+
+if __name__ == "__main__":
+    unittest.main()
