@@ -89,13 +89,7 @@ struct ReferenceQuality {
 
 /// A warning that a reader has to know before any number.
 struct Warning {
-    enum class Kind {
-        no_light,
-        busy_machine,
-        unlike_processors,
-        reference_contradicted,
-        energy_differs
-    };
+    enum class Kind { no_light, busy_machine, unlike_processors, reference_contradicted, energy_differs };
     Kind kind;
     std::string scene;
     std::optional<Layer> layer = {};  ///< empty: of no layer alone

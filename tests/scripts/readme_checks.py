@@ -433,7 +433,7 @@ class Scratch:
             yield from self.checker.wrong_in(command, self.folder, is_inline=False)
             if not draws:
                 return
-        if draws or words[1:2] == ["report"] or "--repeat" in words:
+        if draws or words[1:2] in (["report"], ["compare-runs"]) or "--repeat" in words:
             for name in results_named(command):
                 self.make_results(name)
         if draws and not importlib.util.find_spec("matplotlib"):

@@ -144,10 +144,9 @@ protected:
 };
 
 TEST_F(UnjudgedLight, HasNoCheapestMethod) {
-    EXPECT_THAT(
-        table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-        AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("| cheapest")),
-              Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
+    EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
+                AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("| cheapest")),
+                      Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
         << "neither the reference nor a method has the caustic";
     EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
 }
