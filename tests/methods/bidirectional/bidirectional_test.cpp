@@ -57,7 +57,7 @@ TEST(Techniques, AgreeInDaylightFromAMirror) {
     const std::string mirror = shape("rectangle", to_world(scale(3, 4, 1), translate(0, 1, -4)), bsdf("conductor"));
     const std::string xml =
         room_xml({.light = daylight("sunsky", "0.3 1.5 1"), .more = mirror, .glossy_wall = "", .ball = diffuse_ball});
-    EXPECT_GT(mean_of(*render(scene_of(xml), "bidirectional", 16)[Component::caustic]).minCoeff(), 0.01);
+    EXPECT_GT(mean_of(*render(scene_of(xml), "bidirectional", 16)[Component::caustic]).minCoeff(), 0.005);
     expect_same_means(xml, three_methods);
 }
 TEST(Techniques, AgreeInFog) { expect_same_means(room_xml({.light = lamp, .more = fog}), all_methods()); }
