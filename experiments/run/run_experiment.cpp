@@ -59,17 +59,15 @@ int interrupted(const RunSession& run, const RunOptions& options) {
     return exit_interrupted;
 }
 
-/// Checks the folder that --out gives before anything is loaded, and says that it will be made below a folder that is not
-/// there, because that may be a mistyped one.
-void check_out(const RunOptions& options) {
+/// Says before anything is loaded that the folder of --out will be made below one that is not there, which may be mistyped.
+void tell_new_folders(const RunOptions& options) {
     namespace fs = std::filesystem;
-    if (!options.out) return;
+    if (!options.out || options.quiet) return;
     const fs::path folder = fs::absolute(*options.out).lexically_normal();
     fs::path there = folder;
     while (!fs::exists(there) && there.has_relative_path())
         there = there.parent_path();
-    require_writable(there.string());
-    if (there != folder && there != folder.parent_path() && !options.quiet)
+    if (there != folder && there != folder.parent_path())
         std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", folder.parent_path().string());
 }
 
@@ -87,7 +85,7 @@ int run_share(const RunOptions& options, std::ostream& out) {
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;
-    check_out(options);
+    tell_new_folders(options);
     if (options.share) return run_share(options, out);
     RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::alone);
     const bool complete = measure(run, options.fresh);
