@@ -16,17 +16,22 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
     std::array<Ray, probes> tested;
     std::array<std::optional<Intersection>, probes> met;
     for (int i = 0; i < probes; ++i) {
-        const float phi = 2.f * pi * static_cast<float>(i) / static_cast<float>(probes);
+        // Three eighths of a turn farther each time, so that the first ones look around, too.
+        const float phi = 2.f * pi * static_cast<float>(3 * i % probes) / static_cast<float>(probes);
         const Vec3 w = std::cos(phi) * frame.s + std::sin(phi) * frame.t;
         tested[static_cast<std::size_t>(i)] = {.o = hit.p + distance * (w + max_elevation_slope * frame.n),
                                                .d = -frame.n,
                                                .t_max = 2.f * max_elevation_slope * distance};
     }
-    rays.trace(tested, met);
     int found = 0;
-    for (std::size_t i = 0; i < probes && found < probes_that_hit; ++i)
-        if (const auto there = rays.surface_hit({tested[i], met[i]})) found += belongs_to(*there, hit, frame.n) ? 1 : 0;
-    return found >= probes_that_hit;
+    const auto trace = [&](std::size_t begin, std::size_t end) {
+        rays.trace(std::span(tested).subspan(begin, end - begin), std::span(met).subspan(begin, end - begin));
+        for (std::size_t i = begin; i < end && found < probes_that_hit; ++i)
+            if (const auto there = rays.surface_hit({tested[i], met[i]}))
+                found += belongs_to(*there, hit, frame.n) ? 1 : 0;
+        return found >= probes_that_hit;
+    };
+    return trace(0, probes_that_hit) || trace(probes_that_hit, probes);  // on large surfaces the first ones do
 }
 
 }  // namespace
