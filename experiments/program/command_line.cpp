@@ -22,6 +22,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -481,7 +482,14 @@ int run_program(int argc, char** argv) {
     add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
     return perform([&] {
         try {
-            app.parse(argc, argv);
+            std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+            // "help run" is "run --help", as in other programs.
+            if (!words.empty() && words.front() == "help") {
+                words.erase(words.begin());
+                words.emplace_back("--help");
+            }
+            std::reverse(words.begin(), words.end());  // the order that CLI11 takes
+            app.parse(words);
         } catch (const CLI::ParseError& error) {
             // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
             const bool asks = error.get_exit_code() == 0;

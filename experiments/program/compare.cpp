@@ -235,9 +235,13 @@ bool is_black(const Json& values) {
 /// Warns of what is wrong with a file, so that its numbers say little.
 void warn_of_doubts(const CompareOptions& options, const std::vector<LayeredImage>& files, const Subject& total,
                     const Reference& reference) {
+    const auto warn = [](const std::string& path, const Image& image, const Image& other) {
+        if (const auto doubts = doubts_about_image(image, other); !doubts.empty())
+            std::cerr << fmt::format("warning: {}: {}\n", path, doubts);
+    };
+    warn(options.reference, total.reference.mean, total.tests.front());
     for (std::size_t i = 0; i < files.size(); ++i) {
-        if (const auto doubts = doubts_about_image(total.tests[i], total.reference.mean); !doubts.empty())
-            std::cerr << fmt::format("warning: {}: {}\n", options.tests[i], doubts);
+        warn(options.tests[i], total.tests[i], total.reference.mean);
         if (files[i].find("stderr") && !reference.total.standard_error)
             std::cerr << fmt::format(
                 "warning: {} has the standard error of a reference, but {} has none: the reference stands last\n",

@@ -56,7 +56,7 @@ Image with_red_and_blue_swapped(Image image) {
 
 /// The squared relative error that is left after the image is scaled by its own brightness.
 double scaled_error2(const Image& image, const ReferenceLayer& reference, const Denominators& denominators) {
-    const double factor = brightness(image, reference, denominators).factor;
+    const double factor = brightness(image, reference.mean, denominators.epsilon()).factor;
     const Image& total = denominators.plain();
     double sum = 0;
     for (std::size_t i = 0; i < image.rgb.size(); ++i)
@@ -91,33 +91,33 @@ bool is_grey(const Image& image) {
 
 bool Brightness::differs() const { return std::abs(factor - 1) > std::max(0.01, 4 * deviation); }
 
-Brightness brightness(const Image& image, const ReferenceLayer& reference, const Denominators& denominators) {
+// Every block has the weight of its mean in the reference, which has much less noise than a pixel: with a weight 1 / r for each
+// pixel, the noise of r would make equal images "too bright".
+Brightness brightness(const Image& image, const Image& reference, double epsilon) {
     constexpr int side = 8;
-    const Image& r = reference.mean;
-    const Image& total = denominators.plain();
-    const int across = (r.width + side - 1) / side, down = (r.height + side - 1) / side;
-    std::vector<double> xr(static_cast<std::size_t>(across * down)), rr(xr.size());
-    double sum_xr = 0, sum_rr = 0;
-    for (std::size_t i = 0; i < r.rgb.size(); ++i) {
-        const double weight = 1 / (sqr(double{total.rgb[i]}) + denominators.epsilon());
-        const int x = static_cast<int>(i / 3) % r.width, y = static_cast<int>(i / 3) / r.width;
-        const auto block = static_cast<std::size_t>(y / side * across + x / side);
-        const double own_xr = weight * double{image.rgb[i]} * double{r.rgb[i]}, own_rr = weight * sqr(double{r.rgb[i]});
-        xr[block] += own_xr;
-        rr[block] += own_rr;
-        sum_xr += own_xr;
-        sum_rr += own_rr;
+    const int across = (reference.width + side - 1) / side, down = (reference.height + side - 1) / side;
+    struct Block {
+        double image = 0, reference = 0, values = 0;
+    };
+    std::vector<Block> blocks(static_cast<std::size_t>(across * down));
+    for (std::size_t i = 0; i < reference.rgb.size(); ++i) {
+        const int x = static_cast<int>(i / 3) % reference.width, y = static_cast<int>(i / 3) / reference.width;
+        Block& block = blocks[static_cast<std::size_t>(y / side * across + x / side)];
+        block.image += double{image.rgb[i]};
+        block.reference += double{reference.rgb[i]};
+        ++block.values;
     }
-    // The reference's noise makes r^2 larger on average.
-    const double noise = sqr(relative_standard_error(reference, denominators)) * static_cast<double>(r.rgb.size());
-    const double norm = sum_rr - noise;
-    if (!(norm > 0) || !(sum_xr > 0)) return {};
-    Brightness result{sum_xr / norm, 0};
-    double variance = 0;
-    for (std::size_t b = 0; b < xr.size(); ++b)
-        variance += sqr(xr[b] - result.factor * rr[b]);
-    result.deviation = std::sqrt(variance) / norm;
-    return result;
+    const auto weight = [&](const Block& b) { return 1 / std::sqrt(sqr(b.reference / b.values) + epsilon); };
+    double of_image = 0, of_reference = 0, variance = 0;
+    for (const Block& block : blocks) {
+        of_image += weight(block) * block.image;
+        of_reference += weight(block) * block.reference;
+    }
+    if (!(of_image > 0) || !(of_reference > 0)) return {};
+    const double factor = of_image / of_reference;
+    for (const Block& block : blocks)
+        variance += sqr(weight(block) * (block.image - factor * block.reference));
+    return {factor, std::sqrt(variance) / of_reference};
 }
 
 std::string comparison_sentence(const std::vector<Image>& tests, const ReferenceLayer& reference,
@@ -125,7 +125,7 @@ std::string comparison_sentence(const std::vector<Image>& tests, const Reference
     for (const Image& test : tests)
         if (test.non_finite_values() > 0) return "values that are not finite have no error";
     const Image mean = mean_of(tests);
-    const Brightness of_mean = brightness(mean, reference, denominators);
+    const Brightness of_mean = brightness(mean, reference.mean, denominators.epsilon());
     const bool is_scaled = of_mean.differs();
     std::vector<Image> compared;
     for (const Image& test : tests)
@@ -145,7 +145,7 @@ std::string comparison_sentence(const std::vector<Image>& tests, const Reference
     return text;
 }
 
-std::string doubts_about_image(const Image& image, const Image& reference) {
+std::string doubts_about_image(const Image& image, const Image& other) {
     if (image.non_finite_values() > 0) return "";
     std::string doubts;
     const auto add = [&](const std::string& doubt) { doubts += (doubts.empty() ? "" : "; ") + doubt; };
@@ -154,14 +154,14 @@ std::string doubts_about_image(const Image& image, const Image& reference) {
     constexpr std::size_t byte_levels = 256;
     if (levels.size() <= byte_levels && image.rgb.size() >= 16 * byte_levels)
         add(fmt::format("it has {} different values only, as an image of 8 bits has", levels.size()));
-    // A lamp in the picture has many pixels of one value, too, but so it has in the reference.
+    // A lamp in the picture has many pixels of one value, too, but so it has in the other image.
     const float largest = *levels.rbegin();
     const auto is_largest = std::count(image.rgb.begin(), image.rgb.end(), largest);
     const auto is_above =
-        std::count_if(reference.rgb.begin(), reference.rgb.end(), [&](float value) { return value > 1.05f * largest; });
+        std::count_if(other.rgb.begin(), other.rgb.end(), [&](float value) { return value > 1.05f * largest; });
     if (largest > 0 && is_largest >= 4 && 2 * is_above >= is_largest)
-        add(fmt::format("it is clipped at {}, where the reference is brighter", short_number(double{largest})));
-    if (is_grey(image) && !is_grey(reference)) add("it is grey, and the reference has colours");
+        add(fmt::format("it is clipped at {}, where the other is brighter", short_number(double{largest})));
+    if (is_grey(image) && !is_grey(other)) add("it is grey, and the other has colours");
     return doubts;
 }
 

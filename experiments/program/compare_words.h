@@ -10,23 +10,23 @@
 
 namespace gib {
 
-/// The factor by which an image is brighter than the reference: least squares, weighted as the relative error is.
+/// The factor by which an image is brighter than the reference, where dark parts count as much as bright ones.
 struct Brightness {
     double factor = 1;
     double deviation = 0;  ///< its standard deviation, from the scatter of blocks of 8 x 8 pixels
     /// Whether it differs from 1 by more than noise, and by more than 1 %.
     bool differs() const;
 };
-Brightness brightness(const Image& image, const ReferenceLayer& reference, const Denominators& denominators);
+Brightness brightness(const Image& image, const Image& reference, double epsilon);
 
 /// "1.20 times too bright; scaled, 4.02 % are left, within the reference's noise of 4.3 %", and whether the mean of the images
 /// fits better upside down, mirrored or with red and blue swapped.
 std::string comparison_sentence(const std::vector<Image>& tests, const ReferenceLayer& reference,
                                 const Denominators& denominators);
 
-/// What an image cannot be compared well for: 8 bits a channel, clipped values, no colour beside a reference that has
+/// What an image cannot be compared well for: 8 bits a channel, clipped values, no colour beside another that has
 /// some. Empty if nothing is wrong.
-std::string doubts_about_image(const Image& image, const Image& reference);
+std::string doubts_about_image(const Image& image, const Image& other);
 
 /// The difference in colours: blue where the image is darker than the reference, red where it is brighter by as much as
 /// the reference's own value.

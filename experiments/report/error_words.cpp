@@ -37,6 +37,8 @@ std::string error_kind(const TableRow& row) {
         case State::unbiased:
             return "noise: the method is unbiased";
         case State::below:
+            // The scatter of few seeds may put the whole interval below zero.
+            if (share.value < 0.005) return "noise; no bias found";
             return fmt::format("{}bias {} of the squared error",
                                share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
         case State::measured:

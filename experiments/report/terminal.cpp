@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 #include <vector>
 
 namespace gib {
@@ -25,6 +26,13 @@ struct Line {
 /// The text, at most `width` characters of it.
 std::string cut(const std::string& text, std::size_t width) {
     return text.size() <= width ? text : text.substr(0, width - 2) + "..";
+}
+
+/// The first items of a list, at most `width` characters of them.
+std::string cut_list(const std::string& text, std::size_t width) {
+    constexpr std::string_view rest = ", ..";
+    if (text.size() <= width || width < rest.size()) return text;
+    return text.substr(0, text.rfind(", ", width - rest.size())) + std::string(rest);
 }
 
 Line line_of(const std::string& scene, const VerdictRow& v) {
@@ -72,11 +80,12 @@ std::string terminal_verdict(const Analysis& whole) {
     for (const Line& line : lines) {
         std::string row =
             fmt::format("{:<{}}{:>{}}  ", has_scenes ? cut(line.scene, scene - 1) : "", scene, line.error, error);
-        if (line.method.empty()) row += "none: " + line.consists_of;
+        if (line.method.empty()) row += "none: ";
         else
-            row += fmt::format("{:<{}} {:>{}} {:>{}}  {}", cut(line.method, method), method, cut(line.seconds, seconds),
-                               seconds, cut(line.factor, factor), factor, line.consists_of);
-        std::string shown = cut(row, most_columns);
+            row += fmt::format("{:<{}} {:>{}} {:>{}}  ", cut(line.method, method), method, cut(line.seconds, seconds),
+                               seconds, cut(line.factor, factor), factor);
+        const std::size_t left = most_columns - std::min(row.size(), most_columns);
+        std::string shown = cut(row + cut_list(line.consists_of, left), most_columns);
         shown.erase(shown.find_last_not_of(' ') + 1);
         text += shown + "\n";
     }

@@ -24,6 +24,8 @@ protected:
 
 TEST_F(CommandLineTest, HelpAndVersionSucceed) {
     EXPECT_EQ(run("--help").code, 0);
+    EXPECT_EQ(run("help").out, run("--help").out);
+    EXPECT_EQ(run("help run").out, run("run --help").out);
     EXPECT_THAT(run("--help").out, AllOf(HasSubstr("render"), Not(HasSubstr("measure-cell"))));
     EXPECT_THAT(run("--version").out,
                 AllOf(StartsWith("gibench "), HasSubstr("\ncommit: "), HasSubstr("\ncompiler: "),

@@ -195,6 +195,7 @@ TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
     EXPECT_EQ(kind({0.6, Interval{0.4, 0.9}}, 0.4), "bias and noise; bias is 60 % of the squared error, 40 to 90");
     EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
     EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
+    EXPECT_EQ(kind({-0.1, Interval{-0.2, -0.01}}, 1), "noise; no bias found");
     EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
               "bias or noise: not resolved, bias below 70 % of the squared error");
     EXPECT_EQ(kind({0.5, Interval{-1, 2}}, 0.5), "bias or noise: not resolved");
