@@ -24,10 +24,10 @@ report.viewer = (() => {
       const [r, total] = await Promise.all([sources.layer(0, state.layer), sources.layer(0, 0)]);
       if (r) side.map = pixels.errorOf(side.image, r, total, sources.pictures.epsilon);
       else side.none = "the reference does not have this component";
+      if (blob && quantity.name === "bias") side.halfWidth = await report.blobs.get(sources.images[index].bias_half_width);
     } else if (quantity.name !== "image") {
       const blob = sources.images[index][quantity.name.toLowerCase()];
       if (blob) side.map = await report.blobs.get(blob);
-      if (blob && quantity.name === "bias") side.halfWidth = await report.blobs.get(sources.images[index].bias_half_width);
       else side.none = index === 0 ? "the others are measured against the reference" : "it was not measured";
     }
     return side;

@@ -63,12 +63,10 @@ int interrupted(const RunSession& run, const RunOptions& options) {
 void tell_new_folders(const RunOptions& options) {
     namespace fs = std::filesystem;
     if (!options.out || options.quiet) return;
-    const fs::path folder = fs::absolute(*options.out).lexically_normal();
-    fs::path there = folder;
-    while (!fs::exists(there) && there.has_relative_path())
-        there = there.parent_path();
-    if (there != folder && there != folder.parent_path())
-        std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", folder.parent_path().string());
+    fs::path folder = fs::absolute(*options.out).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();
+    if (const fs::path parent = folder.parent_path(); !fs::exists(parent))
+        std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", parent.string());
 }
 
 int run_share(const RunOptions& options, std::ostream& out) {

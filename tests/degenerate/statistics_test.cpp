@@ -168,7 +168,7 @@ TEST(RobustErrors, StandInTheTableAndAreFlaggedWhereTheyDecide) {
     EXPECT_EQ(value(firefly, "rel_mse_median"), "0.0004");
     EXPECT_EQ(value(firefly, "rel_mse_trimmed"), "0.0009");
     EXPECT_EQ(value(firefly, "rel_mse_top_share"), "0.75");
-    EXPECT_THAT(markdown_table(firefly), HasSubstr("| box | path spp=1 | 2.00 | 3.00 | 75.00 |"));
+    EXPECT_THAT(markdown_table(firefly), HasSubstr("| box | path | 2.00 | 3.00 | 75.00 |"));
     EXPECT_THAT(markdown_table(analysis_with({0.0004, 0.0009, 0.25})), testing::Not(HasSubstr("few pixels")));
     const double none = std::numeric_limits<double>::quiet_NaN();
     const Analysis one_pixel = analysis_with({0.5, none, 1});

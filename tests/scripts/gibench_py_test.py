@@ -92,9 +92,9 @@ class Module(unittest.TestCase):
         self.assertGreater(len(numpy.unique(figure)), 20)
         with open(os.path.join(self.folder, "figures", "images-cornell-box.tex"), encoding="utf-8") as file:
             caption = file.read()
-        # The image is seed 1's final one, as there is one method only.
-        error, = [row for row in gibench.table(self.folder, "curves.csv") if row["seed"] == 1 and row["pass"] == 2]
-        self.assertIn(f"paths, 2 of them: {100 * error['rel_mse_corrected'] ** 0.5:#.3g} \\%", caption)
+        # The image is one of seed 1: after the mean time of all seeds, it may be that of the first pass.
+        errors = [row["rel_mse_corrected"] for row in gibench.table(self.folder, "curves.csv") if row["seed"] == 1]
+        self.assertTrue(any(f"paths, 2 of them: {100 * error ** 0.5:#.3g} \\%" in caption for error in errors), caption)
         for options, message in ((("--crop", "9,0,8,8"), "exceeds the image of 16 x 12"), (("--crop", "1,2"), "X,Y,W,H"),
                                  (("--method", "vcm"), "there is no method of cornell-box 'vcm'")):
             run = plot(*options)

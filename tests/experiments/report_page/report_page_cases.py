@@ -95,7 +95,7 @@ class PageTest(ReportCase):
                 lines = self.script(
                     "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
                     "return c.data.datasets[0].borderColor", self.section)
-                self.assertEqual(lines, {"light": "#d1480f", "dark": "#ff8a50"}[scheme], "the second label")
+                self.assertEqual(lines, {"light": "#1f6fd6", "dark": "#62a5ff"}[scheme], "the first method of the tables")
         self.assertEqual(len(grounds), 2)
 
     def clipped(self):
