@@ -22,7 +22,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -480,16 +479,10 @@ int run_program(int argc, char** argv) {
     add_completion(app, action);
     add_internal(app, action, "measure-cell", "internal: measures one cell, see cell_process.h", measure_cell);
     add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
+    take_help_as_option(argc, argv);
     return perform([&] {
         try {
-            std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-            // "help run" is "run --help", as in other programs.
-            if (!words.empty() && words.front() == "help") {
-                words.erase(words.begin());
-                words.emplace_back("--help");
-            }
-            std::reverse(words.begin(), words.end());  // the order that CLI11 takes
-            app.parse(words);
+            app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
             // CLI11 has an exit code for each kind of mistake; here all of them mean that the command line is wrong.
             const bool asks = error.get_exit_code() == 0;

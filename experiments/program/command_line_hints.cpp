@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <string_view>
 
 namespace gib {
 
@@ -68,6 +69,13 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
         return fmt::format("{} has no command '{}'{} There are: {}", path, *wrong, did_you_mean_or_stop(*wrong, known),
                            fmt::join(known, ", "));
     return fmt::format("{}: '{}' is not expected{}", path, *wrong, advice(*command, *wrong));
+}
+
+void take_help_as_option(int argc, char** argv) {
+    static char help[] = "--help";
+    if (argc < 2 || std::string_view(argv[1]) != "help") return;
+    std::rotate(argv + 1, argv + 2, argv + argc);
+    argv[argc - 1] = help;
 }
 
 }  // namespace gib

@@ -14,4 +14,7 @@ namespace gib {
 /// command line as typed, without the program's name. The parser has to have failed on them.
 std::string wrong_word(const CLI::App& app, const std::vector<std::string>& words);
 
+/// Makes `help run` of a command line `run --help`, as in other programs.
+void take_help_as_option(int argc, char** argv);
+
 }  // namespace gib

@@ -136,7 +136,7 @@ std::string RunSession::write_results() {
                          .cells = manifest_cells(list, folder)};
     write_file(folder.file("manifest.json"), manifest_text(index, manifest));
     std::string report;
-    std::vector<std::string> damage;
+    std::vector<std::string> damage, said;
     with_threads(setup.threads, [&] {
         const Analysis analysis = analyse(folder);
         damage = analysis.damage;
@@ -144,11 +144,14 @@ std::string RunSession::write_results() {
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
         verdict = terminal_verdict(analysis);
-        for (const Warning& warning : analysis.warnings)
-            damage.push_back(fmt::format("{}: {}", warning.scene, warning.sentence));
+        for (const Warning& warning : analysis.warnings)  // a busy machine makes nothing wrong but times
+            said.push_back(fmt::format("{}: {}: {}", warning.kind == Warning::Kind::busy_machine ? "note" : "warning",
+                                       warning.scene, warning.sentence));
     });
     for (const auto& what : damage)
         log.progress.message("warning: " + what);
+    for (const auto& what : said)
+        log.progress.message(what);
     return report;
 }
 
