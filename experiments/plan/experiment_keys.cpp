@@ -1,6 +1,7 @@
 #include "experiments/plan/experiment_keys.h"
 
 #include "experiments/metrics/epsilon.h"
+#include "experiments/plan/external_method.h"
 #include "experiments/plan/run_options.h"
 
 #include <fmt/format.h>

@@ -5,10 +5,12 @@
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/text/json_file.h"
+#include "experiments/tuning/search_space.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
