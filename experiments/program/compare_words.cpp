@@ -3,6 +3,8 @@
 #include "common/color/srgb.h"
 #include "common/core/math.h"
 #include "experiments/analysis/error_fields.h"
+#include "experiments/metrics/block_sums.h"
+#include "experiments/metrics/z_statistic.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/text/numbers.h"
 
@@ -91,22 +93,24 @@ bool is_grey(const Image& image) {
 
 bool Brightness::differs() const { return std::abs(factor - 1) > std::max(0.01, 4 * deviation); }
 
-// Every block has the weight of its mean in the reference, which has much less noise than a pixel: with a weight 1 / r for each
-// pixel, the noise of r would make equal images "too bright".
+// A ratio of weighted sums over blocks, whose variance is that of its residuals (Cochran 1977, "Sampling Techniques", section
+// 6.4). Every block has the weight of its mean in the reference, which has much less noise than a pixel: with a weight 1 / r for
+// each pixel, the noise of r would make equal images "too bright".
 Brightness brightness(const Image& image, const Image& reference, double epsilon) {
-    constexpr int side = 8;
-    const int across = (reference.width + side - 1) / side, down = (reference.height + side - 1) / side;
     struct Block {
         double image = 0, reference = 0, values = 0;
     };
-    std::vector<Block> blocks(static_cast<std::size_t>(across * down));
-    for (std::size_t i = 0; i < reference.rgb.size(); ++i) {
-        const int x = static_cast<int>(i / 3) % reference.width, y = static_cast<int>(i / 3) / reference.width;
-        Block& block = blocks[static_cast<std::size_t>(y / side * across + x / side)];
-        block.image += double{image.rgb[i]};
-        block.reference += double{reference.rgb[i]};
-        ++block.values;
-    }
+    const Grid grid = Grid::with_edge(reference.width, reference.height, z_block_edge);
+    std::vector<Block> blocks(grid.size());
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+        grid.for_each_in(b, [&](int x, int y) {
+            const auto pixel = static_cast<std::size_t>(y * reference.width + x);
+            for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
+                blocks[b].image += double{image.rgb[i]};
+                blocks[b].reference += double{reference.rgb[i]};
+                ++blocks[b].values;
+            }
+        });
     const auto weight = [&](const Block& b) { return 1 / std::sqrt(sqr(b.reference / b.values) + epsilon); };
     double of_image = 0, of_reference = 0, variance = 0;
     for (const Block& block : blocks) {

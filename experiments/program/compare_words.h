@@ -1,5 +1,5 @@
 #pragma once
-// What a person would say of two images side by side: brightness, orientation, and files that cannot hold radiance.
+// The differences that a person sees between two images side by side: brightness, orientation, and files that cannot hold radiance.
 
 #include "common/images/image_file.h"
 #include "experiments/metrics/denominators.h"
@@ -24,8 +24,8 @@ Brightness brightness(const Image& image, const Image& reference, double epsilon
 std::string comparison_sentence(const std::vector<Image>& tests, const ReferenceLayer& reference,
                                 const Denominators& denominators);
 
-/// What an image cannot be compared well for: 8 bits a channel, clipped values, no colour beside another that has
-/// some. Empty if nothing is wrong.
+/// The reasons why an image cannot be compared well: 8 bits a channel, clipped values, no colour beside another that has some.
+/// Empty if nothing is wrong.
 std::string doubts_about_image(const Image& image, const Image& other);
 
 /// The difference in colours: blue where the image is darker than the reference, red where it is brighter by as much as

@@ -105,7 +105,8 @@ void judge(Pair& pair, double tail, bool is_same_machine) {
     if (!is_same_machine || !change.factor.interval) return;
     // A machine that is slower by `same_speed` has errors at equal time that are larger by its root.
     const double same = std::pow(same_speed, 1 / squares);
-    const bool has_fallen = pair.after.mean<pair.before.mean, has_risen = pair.after.mean> pair.before.mean;
+    const bool has_fallen = pair.after.mean < pair.before.mean;
+    const bool has_risen = pair.after.mean > pair.before.mean;
     if (change.factor.interval->hi < 1 / same && has_fallen) change.verdict = ChangeVerdict::better;
     if (change.factor.interval->lo > same && has_risen) change.verdict = ChangeVerdict::worse;
 }

@@ -18,7 +18,7 @@ namespace gib {
 
 namespace {
 
-/// What is known of a time, as multiples of another one. The interval of the time alone is not that of the ratio.
+/// A time as multiples of another one, as far as it is known. The interval of the time alone is not that of the ratio.
 Field times_as_much(Field time, double factor) {
     const bool is_number =
         time.state == State::measured || time.state == State::at_least || time.state == State::extrapolated;

@@ -43,7 +43,7 @@ public:
     void write(const std::vector<SubmittedJob>& jobs) const;
     /// Writes a list under a new name and returns its path.
     std::string add_batches(const std::vector<PlannedBatch>& batches) const;
-    /// What a task of an array job prints, unless --sbatch has another --output.
+    /// The file that holds the output of a task of an array job, unless --sbatch has another --output.
     std::string log_of_task(const SubmittedJob& job, std::size_t task) const;
 
 private:
