@@ -19,10 +19,15 @@ def number(value):
         return "0"
     size = abs(value)
     if size < 1e-3 or size >= 1e5:
-        mantissa, exponent = f"{value:.2e}".split("e")
-        return rf"${mantissa}\times10^{{{int(exponent)}}}$"
+        return power(value)
     decimals = 0 if size >= 100 else 1 if size >= 10 else 2 if size >= 1 else 3 if size >= 0.1 else 4
     return f"{value:.{decimals}f}"
+
+
+def power(value):
+    """Three significant digits with a power of ten, so that all numbers of a column look alike."""
+    mantissa, exponent = f"{value:.2e}".split("e")
+    return rf"${mantissa}\times10^{{{int(exponent)}}}$" if value else "0"
 
 
 def optional(value):
@@ -35,8 +40,8 @@ def bias2(row):
     if row["bias_state"] == "unbiased":
         return "unbiased"
     if is_number(low) and is_number(high) and low <= 0:
-        return rf"$<${number(high)}"
-    return number(max(0.0, value)) if is_number(value) else NONE
+        return rf"$<${power(high)}"
+    return power(max(0.0, value)) if is_number(value) else NONE
 
 
 def time(row, column):
@@ -70,7 +75,7 @@ def relative_rmse(row):
 
 def left_out(row):
     """The effects and the light that a method leaves out, as in table.md."""
-    effects, light = (row[name].replace(";", ", ") for name in ("effects_missing", "components_missing"))
+    effects, light = (row[name].replace(";", ", ").replace("_", " ") for name in ("effects_missing", "components_missing"))
     return "; ".join(part for part in (effects, f"light of {light}" if light else "") if part)
 
 
@@ -83,7 +88,7 @@ COLUMNS = {
     "rel_rmse": (r"relative RMSE [\%]", relative_rmse),
     "seconds": ("time [s]", plain("seconds")),
     "bias2": ("bias$^2$ [radiance$^2$]", bias2),
-    "variance": ("variance [radiance$^2$]", plain("variance")),
+    "variance": ("variance [radiance$^2$]", lambda row: power(row["variance"]) if is_number(row["variance"]) else NONE),
     **{f"seconds_to_{target}pct": (rf"time to {target}\,\% [s]", lambda row, target=target: time(row, f"seconds_to_{target}pct"))
        for target in TARGETS},
     "noise_centroid": ("noise centroid [cycles/pixel]", plain("noise_centroid")),
