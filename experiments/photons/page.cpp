@@ -290,7 +290,8 @@ std::string photons_page(const PageContent& content) {
     const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
                                {"scene", html_escape(content.scene.name)},
                                {"method", html_escape(content.method)},
-                               {"style", std::string(embedded_file("photons_page/page.css"))},
+                               {"style", std::string(embedded_file("report_page/scheme.css")) +
+                                             std::string(embedded_file("photons_page/page.css"))},
                                {"facts", script_safe_json(facts.dump())},
                                {"arrays", arrays.elements()},
                                {"imports", imports.dump()},
