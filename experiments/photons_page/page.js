@@ -34,16 +34,14 @@ function addPhotons(view, layers) {
   });
   const choices = { light: "the light's own", power: "power", bounces: "bounces", wavelength: "wavelength" };
   if (!facts.dispersive) delete choices.wavelength;
-  const select = part("color-by");
-  for (const [value, textContent] of Object.entries(choices)) element("option", select, { value, textContent });
   const color = () => {
     photons.colorBy(select.value);
     exposure.disabled = select.value !== "light";
     drawLegend(part("legend"), select.value, photons);
     view.redraw();
   };
-  select.value = facts.dispersive ? "wavelength" : "light";
-  select.addEventListener("change", color);
+  const first = facts.dispersive ? "wavelength" : "light";
+  const select = addChoice(part("maps"), "Colour", Object.entries(choices), first, () => color());
   const redraw = () => view.redraw();
   const stops = { min: -4, max: 4, step: 0.5, value: 0, text: (v) => `${v} EV` };
   const exposure = addSlider(part("photons"), "Exposure", stops, redraw);

@@ -40,8 +40,9 @@ void warn_of_what_is_not(const CollectedLight& light, const std::string& method,
                             map.not_finite, map.name));
 }
 
-/// Throws InputError if the file is no image of the size of the scene's film.
-Reference reference_of(const Scene& scene, const std::string& path) {
+/// Throws InputError if the file is no image of the scene in the size of its film.
+Reference reference_of(const LoadedScene& loaded, const std::string& path) {
+    const Scene& scene = *loaded.scene;
     Reference reference = read_reference(path);
     const Image& image = reference.total.mean;
     if (image.width != scene.sensor().width() || image.height != scene.sensor().height())
@@ -49,6 +50,9 @@ Reference reference_of(const Scene& scene, const std::string& path) {
                          fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
                                      "changes that",
                                      image.width, image.height, scene.sensor().width(), scene.sensor().height()));
+    const auto hash = reference.metadata.find("scene_hash");
+    if (hash != reference.metadata.end() && hash->second != loaded.content_hash)
+        throw InputError({path}, "the reference is of another scene, or of another version of it");
     return reference;
 }
 
@@ -60,7 +64,7 @@ int show_photons(const PhotonsOptions& options, std::ostream& out) {
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
     std::optional<Reference> reference;
-    if (!options.reference.empty()) reference = reference_of(*scene.scene, options.reference);
+    if (!options.reference.empty()) reference = reference_of(scene, options.reference);
     ProgressLine progress;
     const StoredLightWork work{
         .scene = scene,
