@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -30,6 +32,8 @@ using nlohmann::json;
 
 /// Triangles of the scene on a page, which take 9 MB in base64.
 constexpr std::size_t most_triangles = 160000;
+/// Pixels whose values a page has: an image of them takes 160 kB in base64.
+constexpr int most_pixels = 10000;
 
 /// The arrays of a page: each is an element with base64 that the script finds by name.
 class Arrays {
@@ -50,6 +54,11 @@ using Position = std::array<float, 3>;
 Position position_of(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 Position color_of(const Color& c) { return {c[0], c[1], c[2]}; }
 json json_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+/// A unit vector times 127.
+std::array<std::int8_t, 3> bytes_of(const Vec3& n) {
+    const Eigen::Vector3<std::int8_t> rounded = (127.f * n).array().round().cast<std::int8_t>();
+    return {rounded.x(), rounded.y(), rounded.z()};
+}
 
 /// The view of the scene's camera: where it stands, where it looks, and the angle that the image's height spans. A
 /// camera with parallel rays is replaced by a distant one.
@@ -89,12 +98,14 @@ std::uint8_t byte_of(std::uint32_t value) { return static_cast<std::uint8_t>(std
 json photons_json(const CollectedLight& light, Arrays& arrays) {
     std::vector<Position> positions;
     std::vector<std::array<std::uint8_t, 4>> powers, infos;
+    std::vector<std::array<std::int8_t, 3>> normals;
     json maps = json::array();
     for (const PhotonSubset::Map& map : light.photons) {
         const double mean = map.mean_power(), per_mean = mean > 0 ? map.unit / mean : 0;
         for (const PhotonSubset::Shown& shown : map.shown) {
             const Photon& photon = shown.photon;
             positions.push_back(position_of(photon.p));
+            normals.push_back(bytes_of(photon.surface_normal()));
             powers.push_back(rgbe_of(per_mean * photon.power().cast<double>()));
             const std::uint32_t bounces = photon.edges - 1u;
             const auto stratum = static_cast<std::uint32_t>(photon.stratum() ? *photon.stratum() + 1 : 0);
@@ -108,6 +119,7 @@ json photons_json(const CollectedLight& light, Arrays& arrays) {
                         {"power_unit", map.name == "volume" ? "W × scene unit" : "W"}});
     }
     arrays.add("photon-positions", positions);
+    arrays.add("photon-normals", normals);
     arrays.add("photon-powers", powers);
     arrays.add("photon-infos", infos);
     return maps;
@@ -139,6 +151,77 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
     arrays.add("patch-indices", patches.patches);
 }
 
+/// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
+/// meet none, normals towards the camera, and whether the surface is diffuse, so that an estimate is made there.
+void add_pixel_places(const Scene& scene, const PixelGrid& grid, Arrays& arrays) {
+    std::vector<Position> points;
+    std::vector<std::array<std::int8_t, 3>> normals;
+    std::vector<std::uint8_t> diffuse;
+    for (std::size_t i = 0; i < grid.count(); ++i) {
+        const Ray ray = scene.sensor().generate_ray(grid.x(i), grid.y(i), Vec2::Constant(0.5f));
+        const auto hit = scene.intersect(ray);
+        const Vec3 n = hit ? normal_towards(*hit, -ray.d) : Vec3(Vec3::Zero());
+        points.push_back(position_of(hit ? hit->p : Vec3(Vec3::Constant(std::numeric_limits<float>::quiet_NaN()))));
+        normals.push_back(bytes_of(n));
+        diffuse.push_back(hit && hit->bsdf->traits_at(-hit->shading.to_local(ray.d).z()).diffuse);
+    }
+    arrays.add("pixel-points", points);
+    arrays.add("pixel-normals", normals);
+    arrays.add("pixel-diffuse", diffuse);
+}
+
+/// The images of a page, at the pixels of a grid. Equal ones are stored once.
+class PixelImages {
+public:
+    PixelImages(const PixelGrid& grid, Arrays& arrays) : grid_(grid), arrays_(arrays) {}
+
+    /// The name of the image's array.
+    std::string add(const Image& image) {
+        std::vector<Position> values;
+        for (std::size_t i = 0; i < grid_.count(); ++i)
+            values.push_back(color_of(image.at(static_cast<std::size_t>(grid_.y(i) * image.width + grid_.x(i)))));
+        const auto [entry, is_new] = names_.try_emplace(std::move(values), fmt::format("pixels-{}", names_.size()));
+        if (is_new) arrays_.add(entry->second, entry->first);
+        return entry->second;
+    }
+
+private:
+    const PixelGrid& grid_;
+    Arrays& arrays_;
+    std::map<std::vector<Position>, std::string> names_;
+};
+
+/// The method's images and the reference by component: names of arrays.
+json estimates_json(const PageContent& content, Arrays& arrays) {
+    if (!content.estimates) return nullptr;
+    const Estimates& estimates = *content.estimates;
+    const Scene& scene = *content.scene.scene;
+    const PixelGrid grid(scene.sensor().width(), scene.sensor().height(), most_pixels);
+    add_pixel_places(scene, grid, arrays);
+    PixelImages pixels(grid, arrays);
+    json images = json::array(), truth = nullptr;
+    for (const ComponentImages& image : estimates.images) {
+        json names = json::object();
+        for (Component c : all_components)
+            if (image[c] && !is_black(*image[c])) names[std::string(name_of(c))] = pixels.add(*image[c]);
+        images.push_back(std::move(names));
+    }
+    if (content.reference) {
+        truth = {{"total", pixels.add(content.reference->total.mean)}};
+        for (Component c : all_components)
+            if (const auto& layer = (*content.reference)[c]) truth[std::string(name_of(c))] = pixels.add(layer->mean);
+    }
+    return {{"k", estimates.k},
+            {"own", estimates.own},
+            {"passes", estimates.passes},
+            {"emitted", estimates.emitted},
+            {"radii", estimates.radii},
+            {"gather", estimates.gather},
+            {"grid", {grid.columns, grid.rows, grid.width, grid.height}},
+            {"images", std::move(images)},
+            {"truth", std::move(truth)}};
+}
+
 /// Wavelength [nm] and colour of each stratum.
 json strata_json() {
     json strata = json::array();
@@ -158,7 +241,7 @@ std::string data_url(std::string_view script) {
 /// The page's own script, a module.
 std::string page_script() {
     std::string script;
-    for (const char* name : {"data", "colors", "photons", "solids", "view", "panel", "page"})
+    for (const char* name : {"data", "colors", "photons", "solids", "view", "panel", "estimates", "page"})
         script += embedded_file(fmt::format("photons_page/{}.js", name));
     return script;
 }
@@ -196,6 +279,7 @@ std::string photons_page(const PageContent& content) {
                   {"maps", photons_json(light, arrays)},
                   {"dispersive", scene.has_dispersion()},
                   {"strata", strata_json()},
+                  {"estimates", estimates_json(content, arrays)},
                   {"records", light.records.size()},
                   {"patches", light.patches.patches.size()}};
     add_records(light.records, arrays);
@@ -206,7 +290,8 @@ std::string photons_page(const PageContent& content) {
     const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
                                {"scene", html_escape(content.scene.name)},
                                {"method", html_escape(content.method)},
-                               {"style", std::string(embedded_file("photons_page/page.css"))},
+                               {"style", std::string(embedded_file("report_page/scheme.css")) +
+                                             std::string(embedded_file("photons_page/page.css"))},
                                {"facts", script_safe_json(facts.dump())},
                                {"arrays", arrays.elements()},
                                {"imports", imports.dump()},

@@ -2,6 +2,7 @@
 // The page that shows stored light in the scene: one file, with its data and three.js inside, which opens offline.
 
 #include "experiments/photons/collected_light.h"
+#include "experiments/photons/estimates.h"
 
 #include <array>
 #include <cstdint>
@@ -14,6 +15,8 @@ struct PageContent {
     std::string method;  ///< label
     std::uint64_t seed;
     const CollectedLight& light;
+    const Estimates* estimates = nullptr;  ///< null: a click tells none
+    const Reference* reference = nullptr;  ///< of the same size as the estimates; may be null
 };
 
 /// A photon's power relative to its map's mean as three mantissas and an exponent of 8 bits: c = m 2^(e - 136), rounded;

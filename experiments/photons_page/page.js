@@ -34,16 +34,14 @@ function addPhotons(view, layers) {
   });
   const choices = { light: "the light's own", power: "power", bounces: "bounces", wavelength: "wavelength" };
   if (!facts.dispersive) delete choices.wavelength;
-  const select = part("color-by");
-  for (const [value, textContent] of Object.entries(choices)) element("option", select, { value, textContent });
   const color = () => {
     photons.colorBy(select.value);
     exposure.disabled = select.value !== "light";
     drawLegend(part("legend"), select.value, photons);
     view.redraw();
   };
-  select.value = facts.dispersive ? "wavelength" : "light";
-  select.addEventListener("change", color);
+  const first = facts.dispersive ? "wavelength" : "light";
+  const select = addChoice(part("maps"), "Colour", Object.entries(choices), first, () => color());
   const redraw = () => view.redraw();
   const stops = { min: -4, max: 4, step: 0.5, value: 0, text: (v) => `${v} EV` };
   const exposure = addSlider(part("photons"), "Exposure", stops, redraw);
@@ -144,7 +142,7 @@ function addSurfaces(view, layers) {
   element("p", part("surfaces"), { className: "facts", textContent: text });
 }
 
-/// The thing at a place on the stage: the nearest photon, else a record, else a patch.
+/// The thing at a place on the stage: the nearest photon, else a record, else a patch; and the estimate there.
 function pick(place, box, view, layers) {
   const caster = new THREE.Raycaster();
   caster.setFromCamera(place, view.camera);
@@ -158,6 +156,11 @@ function pick(place, box, view, layers) {
   else if (face) text = patches.describe(Math.floor(face.faceIndex / 2));
   part("picked").textContent = text;
   part("picked").hidden = text === "";
+  if (!layers.estimates) return;
+  caster.near = view.camera.near;  // what is cut away is not hit
+  const surface = caster.intersectObject(layers.surfaces.mesh)[0];
+  layers.estimates.show(surface ? layers.estimates.pixelAt(surface.point) : undefined);
+  if (face && photon < 0) layers.estimates.line(patches.outline(Math.floor(face.faceIndex / 2)), 0xffe27a);
 }
 
 function start() {
@@ -180,6 +183,7 @@ function start() {
   if (layers.photons) view.scene.add(layers.photons.points);
   if (layers.records) view.scene.add(layers.records.group);
   if (layers.patches) view.scene.add(layers.patches.group);
+  if (facts.estimates) layers.estimates = addEstimates(view, layers);
   if (layers.photons) addPhotons(view, layers);
   if (layers.records) addRecords(view, layers);
   if (layers.patches) addPatches(view, layers);

@@ -50,6 +50,7 @@ const COLOR_BY = { light: 0, power: 1, bounces: 2, wavelength: 3 };
 class Photons {
   constructor() {
     this.positions = arrayOf("photon-positions", Float32Array);
+    this.normals = arrayOf("photon-normals", Int8Array);
     this.powers = arrayOf("photon-powers", Uint8Array);
     this.infos = arrayOf("photon-infos", Uint8Array);
     this.count = this.infos.length / 4;

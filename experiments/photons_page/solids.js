@@ -130,6 +130,11 @@ class Patches {
     this.colors.needsUpdate = true;
   }
 
+  outline(patch) {
+    const corners = this.mesh.geometry.attributes.position;
+    return [0, 1, 2, 3, 0].map((i) => new THREE.Vector3().fromBufferAttribute(corners, this.indices[4 * patch + i]));
+  }
+
   describe(patch) {
     const corners = [...new Set(this.indices.subarray(4 * patch, 4 * patch + 4))];
     const lines = corners.map((c) => `(${triple(...this.radiosities.subarray(3 * c, 3 * c + 3))})`);

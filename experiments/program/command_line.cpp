@@ -360,9 +360,14 @@ void add_photons(CLI::App& app, Action& action) {
                      "photons on the page at most (default 200000): a uniform subset of each map, in even shares")
         ->check(CLI::Range(std::size_t{1}, most_photons_shown));
     command
-        ->add_option("--passes", options->passes,
-                     "passes at most of a method that stores other light in each (default: its spp, at most 16)")
+        ->add_option(
+            "--passes", options->passes,
+            "passes at most of a method that stores other light in each, and of its images (default: its spp, at "
+            "most 16; of images beside light that stays, at most 4)")
         ->check(CLI::Range(1u, most_passes_shown));
+    command->add_option(
+        "--reference", options->reference,
+        "image (EXR) of the same size, best one of `gibench reference`: a click then tells the truth, too");
     command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
     add_threads(command, options->threads);
     add_loading(command, options->loading);

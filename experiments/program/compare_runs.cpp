@@ -31,6 +31,14 @@ std::string quantity(const Change& change) {
                                           : fmt::format("seconds to {:g} %", 100 * change.at);
 }
 
+/// Says which of both errors is the noise floor instead; empty if none is.
+std::string floor_remark(const Change& change) {
+    if (!change.before_is_floor && !change.after_is_floor) return "";
+    return fmt::format("; {} raised to the references' noise floor", !change.after_is_floor   ? "old"
+                                                                     : change.before_is_floor ? "both"
+                                                                                              : "new");
+}
+
 std::string value_text(const Change& change, double value) {
     return change.of == Change::Of::error ? percent_text(value) + " %" : short_number(value);
 }
@@ -53,13 +61,16 @@ std::string summary(const RunComparison& comparison) {
 }  // namespace
 
 CsvTable change_table(const RunComparison& comparison) {
-    CsvTable table{
-        {"scene", "method", "number", "at", "before", "after", "factor", "factor_lo", "factor_hi", "verdict"}, {}};
+    CsvTable table{{"scene", "method", "number", "at", "before", "after", "factor", "factor_lo", "factor_hi", "verdict",
+                    "label", "before_is_floor", "after_is_floor"},
+                   {}};
+    const auto yes = [](bool is_so) { return is_so ? "yes" : ""; };
     for (const Change& c : comparison.changes)
         table.add({c.scene, c.method, c.of == Change::Of::error ? "error" : "seconds", csv_number(c.at),
                    csv_number(c.before), csv_number(c.after), csv_number(c.factor.value),
                    c.factor.interval ? csv_number(c.factor.interval->lo) : "",
-                   c.factor.interval ? csv_number(c.factor.interval->hi) : "", name_of(c.verdict)});
+                   c.factor.interval ? csv_number(c.factor.interval->hi) : "", name_of(c.verdict), c.name,
+                   yes(c.before_is_floor), yes(c.after_is_floor)});
     return table;
 }
 
@@ -68,9 +79,10 @@ std::string change_text(const RunComparison& comparison) {
     const Change* last = nullptr;
     for (const Change& c : comparison.changes) {
         if (!last || last->scene != c.scene || last->method != c.method)
-            text += fmt::format("{}, {}\n", c.scene, c.method);
-        text += fmt::format("  {:<20}{:>9} -> {:<9} {:<24} {}\n", quantity(c), value_text(c, c.before),
-                            value_text(c, c.after), "x " + with_interval(c.factor), name_of(c.verdict));
+            text += fmt::format("{}, {}\n", c.scene, c.name);
+        text +=
+            fmt::format("  {:<20}{:>9} -> {:<9} {:<24} {}{}\n", quantity(c), value_text(c, c.before),
+                        value_text(c, c.after), "x " + with_interval(c.factor), name_of(c.verdict), floor_remark(c));
         last = &c;
     }
     for (const std::string& remark : comparison.remarks)

@@ -15,7 +15,8 @@ struct CompareRunsOptions {
     bool fail_if_worse = false;
 };
 
-/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]) or `seconds` (to the relative RMSE `at`).
+/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]) or `seconds` (to the relative RMSE `at`);
+/// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
 CsvTable change_table(const RunComparison& comparison);
 /// The numbers of each cell in words, the remarks, and a summary.
 std::string change_text(const RunComparison& comparison);

@@ -2,6 +2,7 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
+#include "common/scene/scene.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/photons/page.h"
 #include "experiments/program/commands.h"
@@ -39,6 +40,22 @@ void warn_of_what_is_not(const CollectedLight& light, const std::string& method,
                             map.not_finite, map.name));
 }
 
+/// Throws InputError if the file is no image of the scene in the size of its film.
+Reference reference_of(const LoadedScene& loaded, const std::string& path) {
+    const Scene& scene = *loaded.scene;
+    Reference reference = read_reference(path);
+    const Image& image = reference.total.mean;
+    if (image.width != scene.sensor().width() || image.height != scene.sensor().height())
+        throw InputError({path},
+                         fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
+                                     "changes that",
+                                     image.width, image.height, scene.sensor().width(), scene.sensor().height()));
+    const auto hash = reference.metadata.find("scene_hash");
+    if (hash != reference.metadata.end() && hash->second != loaded.content_hash)
+        throw InputError({path}, "the reference is of another scene, or of another version of it");
+    return reference;
+}
+
 }  // namespace
 
 int show_photons(const PhotonsOptions& options, std::ostream& out) {
@@ -46,6 +63,8 @@ int show_photons(const PhotonsOptions& options, std::ostream& out) {
     require_stored_light(method.label);
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
+    std::optional<Reference> reference;
+    if (!options.reference.empty()) reference = reference_of(scene, options.reference);
     ProgressLine progress;
     const StoredLightWork work{
         .scene = scene,
@@ -59,7 +78,16 @@ int show_photons(const PhotonsOptions& options, std::ostream& out) {
     with_threads(options.threads, [&] {
         const CollectedLight light = collect_stored_light(work);
         warn_of_what_is_not(light, options.method, progress);
-        write_file(options.out, photons_page({scene, method.label.text(), options.seed, light}));
+        const Estimates estimates = estimates_of(
+            {.scene = scene,
+             .method = method,
+             .seed = options.seed,
+             .passes = light.passes > 0 ? light.passes
+                                        : std::min(work.most_passes, options.passes.value_or(default_image_passes)),
+             .varies_k = !light.photons.empty(),
+             .observer = [&](const OngoingWork& ongoing) { work.listener(ongoing.stage, ongoing.fraction); }});
+        write_file(options.out, photons_page({scene, method.label.text(), options.seed, light, &estimates,
+                                              reference ? &*reference : nullptr}));
         print_what_is_shown(light, out);
     });
     progress.message(options.out);

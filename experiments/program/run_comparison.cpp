@@ -65,10 +65,13 @@ private:
         // An error that one of the references does not resolve is not above the noise floor of either.
         if (of == Change::Of::error) {
             const double floor = std::max(before_.noise_floor(), after_.noise_floor());
-            for (Contender* c : {&pairs.back().before, &pairs.back().after})
-                if (c->mean <= floor) {
+            Pair& pair = pairs.back();
+            for (auto [c, is_floor] : {std::pair(&pair.before, &pair.change.before_is_floor),
+                                       std::pair(&pair.after, &pair.change.after_is_floor)})
+                if (floor > 0 && c->mean <= floor) {
                     c->mean = floor;
                     std::fill(c->logs.begin(), c->logs.end(), std::log(floor));
+                    *is_floor = true;
                 }
         }
     }
@@ -96,19 +99,18 @@ void judge(Pair& pair, double tail, bool is_same_machine) {
     terms.insert(terms.end(), pair.after.scatter.begin(), pair.after.scatter.end());
     const double log_factor = (pair.after.log_mean - pair.before.log_mean) / squares;
     const double half = half_width(terms, tail) / squares;
-    change.before = std::exp(pair.before.log_mean / squares);
-    change.after = std::exp(pair.after.log_mean / squares);
-    change.factor.value = std::exp(log_factor);
+    change.before = std::pow(pair.before.mean, 1 / squares);
+    change.after = std::pow(pair.after.mean, 1 / squares);
+    change.factor.value = change.after / change.before;
     if (std::isfinite(half))
-        change.factor.interval = Interval{std::exp(log_factor - half), std::exp(log_factor + half)};
+        change.factor.interval = Interval{std::min(change.factor.value, std::exp(log_factor - half)),
+                                          std::max(change.factor.value, std::exp(log_factor + half))};
     if (!is_same_machine) change.verdict = ChangeVerdict::other_machine;
     if (!is_same_machine || !change.factor.interval) return;
     // A machine that is slower by `same_speed` has errors at equal time that are larger by its root.
     const double same = std::pow(same_speed, 1 / squares);
-    const bool has_fallen = pair.after.mean < pair.before.mean;
-    const bool has_risen = pair.after.mean > pair.before.mean;
-    if (change.factor.interval->hi < 1 / same && has_fallen) change.verdict = ChangeVerdict::better;
-    if (change.factor.interval->lo > same && has_risen) change.verdict = ChangeVerdict::worse;
+    if (change.factor.interval->hi < 1 / same) change.verdict = ChangeVerdict::better;
+    if (change.factor.interval->lo > same) change.verdict = ChangeVerdict::worse;
 }
 
 /// The processors that measured a method, and the number of threads.
@@ -126,11 +128,19 @@ const IndexScene* scene_named(const Analysis& analysis, const std::string& name)
     return nullptr;
 }
 
+/// The short name of a method, if both runs have the same; else the label.
+std::string name_in_both(const Analysis& before, const Analysis& after, const Change& change) {
+    const TableRow *a = before.row(change.scene, change.method, Layer::total),
+                   *b = after.row(change.scene, change.method, Layer::total);
+    return a && b && a->name == b->name && !a->name.empty() ? a->name : change.method;
+}
+
 /// Says which cells only one of the runs has.
 void remark_missing(const Analysis& in, const Analysis& missing_in, const char* which, RunComparison& comparison) {
     for (const TableRow& row : in.rows)
         if (row.layer == Layer::total && !missing_in.row(row.scene, row.method, Layer::total))
-            comparison.remarks.push_back(fmt::format("{}, {}: only in the {} run", row.scene, row.method, which));
+            comparison.remarks.push_back(
+                fmt::format("{}, {}: only in the {} run", row.scene, row.name.empty() ? row.method : row.name, which));
 }
 
 }  // namespace
@@ -164,6 +174,7 @@ RunComparison compare_runs(const Analysis& before, const Analysis& after) {
             return machine_of(run, pair.change.scene, pair.change.method);
         };
         judge(pair, change_tail / static_cast<double>(pairs.size()), machine(before) == machine(after));
+        pair.change.name = name_in_both(before, after, pair.change);
         comparison.changes.push_back(pair.change);
     }
     remark_missing(before, after, "old", comparison);

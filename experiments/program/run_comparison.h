@@ -25,10 +25,14 @@ inline constexpr double same_speed = 1.05;
 struct Change {
     enum class Of { error, seconds };
     std::string scene, method;  ///< method: a label
+    std::string name = {};  ///< short name of the method (short_names.h), if both runs have the same; else the label
     Of of = Of::error;
     double at = 0;  ///< of an error: the time after which it is compared [s]; of seconds: the relative RMSE
-    double before = 0, after = 0;  ///< relative RMSE or seconds, geometric means over the seeds
-    Estimate factor = {};          ///< after / before; its interval holds together with those of all other changes
+    double before = 0, after = 0;  ///< relative RMSE or seconds, means over the seeds as table.csv has them
+    bool before_is_floor = false, after_is_floor = false;  ///< the error was below the noise floor and is shown as that
+    /// after / before; its interval, of the ratio of geometric means and widened to hold the ratio of these means, holds
+    /// together with those of all other changes.
+    Estimate factor = {};
     ChangeVerdict verdict = ChangeVerdict::cannot_be_told;
 };
 

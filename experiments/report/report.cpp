@@ -270,7 +270,8 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
     data page = page_data(analysis);
     add_photon_links(page, whole, folder);
     add_tuning(folder, page, numbers);
-    page["style"] = std::string(embedded_file("report_page/page.css"));
+    page["style"] =
+        std::string(embedded_file("report_page/scheme.css")) + std::string(embedded_file("report_page/page.css"));
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;
     page["scripts"] = embedded_scripts({"chart.js", "report_page/core.js", "report_page/blobs.js",

@@ -53,35 +53,25 @@ report.charts = (() => {
     };
   }
 
-  /** A colour such as #rrggbb with an opacity. */
-  const faint = (hex, alpha) => hex + Math.round(255 * alpha).toString(16).padStart(2, "0");
-
-  function line(method, points, extra = {}) {
-    const color = report.methodColor(method);
+  /** A line through points, whose colour is of the form #rrggbb. */
+  function set(label, color, points, extra = {}) {
     return {
-      label: data.methods[method],
-      method,
-      data: points,
-      showLine: true,
-      borderColor: color,
-      backgroundColor: color,
-      borderWidth: 2,
-      pointStyle: report.methodMark(method),
-      pointRadius: 3.5,
-      pointHoverRadius: 6,
-      ...extra,
+      label, data: points, showLine: true, borderColor: color, backgroundColor: color, borderWidth: 2, pointRadius: 3.5,
+      pointHoverRadius: 6, ...extra,
     };
   }
 
+  const line = (method, points, extra = {}) => set(data.methods[method], report.methodColor(method), points,
+    {pointStyle: report.methodMark(method), ...extra});
+
   /** Two lines without marks; the area between them is filled. */
-  function band(method, low, high) {
+  function band(label, color, low, high) {
     const plain = {hover: false, borderWidth: 0, pointRadius: 0, pointHoverRadius: 0, pointHitRadius: 0};
-    const color = faint(report.methodColor(method), 0.18);
-    return [
-      line(method, low, {...plain, fill: false}),
-      line(method, high, {...plain, fill: "-1", backgroundColor: color}),
-    ];
+    return [set(label, color, low, {...plain, fill: false}),
+      set(label, color, high, {...plain, fill: "-1", backgroundColor: `${color}2e`})];
   }
+
+  const dashed = {borderDash: [5, 4], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 6};
 
   function curveSets(scene, component, metric, hidden) {
     const {column, factor} = metrics[metric];
@@ -100,16 +90,12 @@ report.charts = (() => {
         pointBackgroundColor: (item) => (isStop(item) ? "transparent" : report.methodColor(method)),
         pointBorderWidth: (item) => (isStop(item) ? 2 : 1),
         stops,
-      }), ...band(method, at(1), at(2)));
+      }), ...band(data.methods[method], report.methodColor(method), at(1), at(2)));
     }
     const floor = metric === "relative" ? data.scenes[scene].noise_floor[component] : 0;
     if (floor > 0 && times.length > 0)
-      sets.push({
-        label: "what the reference resolves",
-        data: [Math.min(...times), Math.max(...times)].map((x) => ({x, y: factor * floor})),
-        showLine: true, borderColor: report.color("--muted"), backgroundColor: report.color("--muted"),
-        borderDash: [5, 4], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 6,
-      });
+      sets.push(set("what the reference resolves", report.color("--muted"),
+        [Math.min(...times), Math.max(...times)].map((x) => ({x, y: factor * floor})), dashed));
     return sets;
   }
 
@@ -163,6 +149,15 @@ report.charts = (() => {
 
   /** The charts of one scene. They show what `state` says: {component, metric, hidden}. */
   function sceneCharts(section, scene, state) {
+    const spectrum = (kind, note, power, nothing) => new Panel(section.querySelector(`.${kind}-chart`),
+      `Spectrum of the ${kind}`, note, () => ({
+        sets: spectrumSets(scene, state.component, kind, state.hidden),
+        xAxis: () => axis("linear", "cycles per pixel"),
+        yAxis: () => axis("logarithmic", power),
+        tip: spectrumTip,
+        words: `power of the ${kind} of ${state.component} by frequency`,
+        nothing,
+      }));
     const panels = [
       new Panel(section.querySelector(".curve-chart"), "Error against time",
         "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Below the dashed line the " +
@@ -174,27 +169,13 @@ report.charts = (() => {
           words: `${metrics[state.metric].label} of ${state.component} against seconds, both logarithmic`,
           nothing: "There is no curve of this component.",
         })),
-      new Panel(section.querySelector(".noise-chart"), "Spectrum of the noise",
-        "1 is white noise. Power at the left is blotchy noise that the eye sees easily.", () => ({
-          sets: spectrumSets(scene, state.component, "noise", state.hidden),
-          xAxis: () => axis("linear", "cycles per pixel"),
-          yAxis: () => axis("logarithmic", "power, white noise = 1"),
-          tip: spectrumTip,
-          words: `power of the noise of ${state.component} by frequency`,
-          nothing: "A spectrum of the noise needs at least three seeds, and images that have noise.",
-        })),
-      new Panel(section.querySelector(".bias-chart"), "Spectrum of the bias",
-        "In the gaps there is no bias that the seeds and the reference could resolve.", () => ({
-          sets: spectrumSets(scene, state.component, "bias", state.hidden),
-          xAxis: () => axis("linear", "cycles per pixel"),
-          yAxis: () => axis("logarithmic", "power [radiance²]"),
-          tip: spectrumTip,
-          words: `power of the bias of ${state.component} by frequency`,
-          nothing: "There is no bias that the seeds and the reference could resolve.",
-        })),
+      spectrum("noise", "1 is white noise. Power at the left is blotchy noise that the eye sees easily.",
+        "power, white noise = 1", "A spectrum of the noise needs at least three seeds, and images that have noise."),
+      spectrum("bias", "In the gaps there is no bias that the seeds and the reference could resolve.",
+        "power [radiance²]", "There is no bias that the seeds and the reference could resolve."),
     ];
     return {draw: () => panels.forEach((panel) => panel.draw()), panels};
   }
 
-  return {metrics, sceneCharts, axis, line, Panel};
+  return {metrics, sceneCharts, axis, line, set, band, dashed, Panel};
 })();

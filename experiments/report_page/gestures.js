@@ -12,6 +12,8 @@ report.gestures = (() => {
       const box = place.getBoundingClientRect();
       return {x: event.clientX - box.left - place.clientLeft, y: event.clientY - box.top - place.clientTop};
     };
+    const inCell = ({x, y}) => ({x: x % stage.cell.width, y: y % stage.cell.height});
+    const pixelAt = (place) => { const {x, y} = inCell(place); return stage.pixelAt(x, y); };
     const nearDivider = ({x}) => state.mode === 1 && Math.abs(x - stage.splitX) < grab;
 
     place.addEventListener("pointerdown", (event) => {
@@ -25,7 +27,7 @@ report.gestures = (() => {
       const before = pointers.get(event.pointerId);
       place.classList.toggle("on-divider", onDivider || nearDivider(here));
       if (!before) {
-        stage.setCursor(stage.pixelAt(here.x, here.y));
+        stage.setCursor(pixelAt(here));
         return;
       }
       if (pointers.size === 1) {
@@ -34,15 +36,15 @@ report.gestures = (() => {
       } else if (pointers.size === 2) {
         const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
         const length = (p) => Math.hypot(p.x - other.x, p.y - other.y);
-        if (length(before) > 0)
-          stage.setZoom(stage.zoom * length(here) / length(before), (here.x + other.x) / 2, (here.y + other.y) / 2);
+        const {x, y} = inCell({x: (here.x + other.x) / 2, y: (here.y + other.y) / 2});
+        if (length(before) > 0) stage.setZoom(stage.zoom * length(here) / length(before), x, y);
       }
       pointers.set(event.pointerId, here);
     });
     for (const name of ["pointerup", "pointercancel"])
       place.addEventListener(name, (event) => {
         const here = point(event);
-        if (name === "pointerup" && event.pointerType !== "mouse") stage.setCursor(stage.pixelAt(here.x, here.y));
+        if (name === "pointerup" && event.pointerType !== "mouse") stage.setCursor(pixelAt(here));
         pointers.delete(event.pointerId);
         onDivider = false;
       });
@@ -50,7 +52,7 @@ report.gestures = (() => {
     place.addEventListener("wheel", (event) => {
       if (document.activeElement !== place && !event.ctrlKey) return;
       event.preventDefault();
-      const {x, y} = point(event);
+      const {x, y} = inCell(point(event));
       stage.setZoom(stage.zoom * 1.2 ** (event.deltaY < 0 ? 1 : -1), x, y);
     }, {passive: false});
     place.addEventListener("keydown", (event) => {

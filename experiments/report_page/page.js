@@ -27,9 +27,18 @@
   /** The viewer of a scene, which is made when it is first needed. */
   function panelOf(section) {
     const {scene} = section.dataset;
-    if (!section.panel && data.pictures[scene])
+    if (!section.panel && data.pictures[scene]) {
       section.panel = new report.panel.Panel(section.querySelector(".viewer"), scene);
+      section.panel.number = section.id.replace("scene-", "");
+    }
     return section.panel;
+  }
+
+  /** Shows what an address like #viewer-0?a=2&mode=2 asks for. */
+  function followAddress() {
+    const [, number, state] = /^#viewer-(\d+)\?(.*)$/.exec(location.hash) ?? [];
+    const section = number && document.getElementById(`scene-${number}`);
+    if (section) panelOf(section)?.restore(state);
   }
 
   /** Strips are drawn in turn, those out of sight too: a printer does not scroll. */
@@ -93,4 +102,6 @@
   document.documentElement.classList.add("scripted");
   printWhole();
   for (const section of document.querySelectorAll("section.scene")) setUpScene(section);
+  followAddress();
+  addEventListener("hashchange", followAddress);
 })();

@@ -13,9 +13,11 @@ report.panel = (() => {
       this.sources = new report.sources.Sources(scene);
       const {images, times, pictures} = this.sources;
       this.baseStops = pictures.stops;
-      this.state = {a: Math.min(1, images.length - 1), b: 0, mode: 0, side: 0, split: 0.5, quantity: 0, layer: 0,
-        stops: this.baseStops, amplification: 0, time: times.length - 1};
+      this.state = {a: Math.min(1, images.length - 1), b: 0, mode: 0, side: 0, split: 0.5, quantity: 0, error: 0, layer: 0,
+        tone: 0, stops: this.baseStops, amplification: 0, time: times.length - 1};
+      this.initial = {...this.state};
       this.stage = new viewer.Stage(this.sources, this.state, (pixel) => this.showValues(pixel));
+      this.stage.onDraw = () => this.remember();
       this.makeControls();
       this.values = element("div", {className: "values", attributes: {role: "status", "aria-live": "polite"}});
       this.legend = element("div", {className: "map-legend", hidden: true});
@@ -41,10 +43,10 @@ report.panel = (() => {
       for (const side of [this.a, this.b]) side.whole.classList.add("wide");
       this.quantity = controls.choice("Show", viewer.quantities.map((q) => q.name), 0, change("quantity"));
       this.layer = controls.select("Component", layers.map((l) => l.name), 0, change("layer"));
-      this.mode = controls.choice("Compare", ["flip", "slide"], 0, (mode) => {
-        this.state.mode = mode;
-        this.showMode();
-      });
+      this.mode = controls.choice("Compare", viewer.modes, 0, (mode) => this.apply({mode}));
+      this.error = controls.select("Error", report.pixels.errors, 0, change("error"));
+      this.tone = controls.select("Tone", report.pixels.tones, 0, change("tone"));
+      this.save = controls.button("Save PNG", "what the viewer shows", () => this.savePicture());
       this.flipButton = controls.button("Flip to B", "space", () => this.flip());
       this.split = controls.slider("Split", {min: 0, max: 100, step: 1, value: 50}, (v) => `${v} %`,
         (v) => this.setSplit(v / 100));
@@ -68,8 +70,8 @@ report.panel = (() => {
     }
 
     top() {
-      return element("div", {className: "controls"}, this.a.whole, this.b.whole, this.quantity.whole, this.layer.whole,
-        this.mode.whole, element("div", {className: "control mode-detail"}, this.flipButton, this.split.whole));
+      return element("div", {className: "controls"}, this.a.whole, this.b.whole, this.quantity.whole, this.error.whole,
+        this.tone.whole, this.layer.whole, this.mode.whole, element("div", {className: "control mode-detail"}, this.flipButton, this.split.whole));
     }
 
     bottom() {
@@ -81,17 +83,21 @@ report.panel = (() => {
       if (data.pictures_note) notes.push(data.pictures_note);
       return element("div", {className: "under-stage"}, this.values, this.legend,
         element("div", {className: "controls"}, this.time.whole,
-          element("div", {className: "control exposure"}, this.exposure.whole, this.reset), this.zoom),
+          element("div", {className: "control exposure"}, this.exposure.whole, this.reset), this.zoom, this.save),
         element("p", {className: "muted notes", textContent: notes.join(" ")}));
     }
+
+    /** The present mode, unless it shows all images. */
+    get pairMode() { return this.stage.isGrid ? 0 : this.state.mode; }
 
     get isMap() { return this.state.quantity !== 0; }
 
     changed() {
-      const exposes = viewer.quantities[this.state.quantity].name;
+      const {name} = viewer.quantities[this.state.quantity];
       this.exposure.name.textContent = this.isMap ? "Amplification" : "Exposure";
-      this.exposure.input.disabled = exposes === "FLIP";
-      this.reset.disabled = exposes === "FLIP";
+      this.exposure.input.disabled = this.reset.disabled = name === "FLIP";
+      this.error.whole.hidden = name !== "error";
+      this.tone.whole.hidden = name !== "image";
       this.exposure.set(this.isMap ? this.state.amplification : this.state.stops - this.baseStops);
       this.showLegend();
       this.stage.update();
@@ -105,15 +111,52 @@ report.panel = (() => {
       for (const pyramid of this.pyramids) pyramid.draw();
     }
 
-    /** Shows the layer `name` of an image as A. */
-    choose(index, name) {
-      this.state.a = index;
-      this.state.layer = this.sources.layers.findIndex((layer) => layer.name === name);
-      this.state.side = 0;
-      this.a.set(index);
-      this.layer.set(this.state.layer);
+    /** Changes the state, and the controls with it. */
+    apply(changes) {
+      Object.assign(this.state, changes);
+      for (const key of ["a", "b", "mode", "quantity", "error", "layer", "tone", "time"]) this[key].set(this.state[key]);
+      this.split.set(Math.round(100 * this.state.split));
+      this.stage.resize();
       this.showMode();
       this.changed();
+    }
+
+    /** Writes the state into the address, once it has not changed for a while. */
+    remember() {
+      clearTimeout(this.waiting);
+      this.waiting = setTimeout(() => {
+        const {x, y, zoom, fitZoom} = this.stage;
+        const view = Math.abs(zoom / fitZoom - 1) < 1e-6 ? {} : {x, y, zoom};
+        const changed = Object.entries(this.state).filter(([key, value]) => value !== this.initial[key]);
+        const state = new URLSearchParams([...changed, ...Object.entries(view)]).toString();
+        if (state === (this.address ?? "")) return;
+        this.address = state;
+        history.replaceState(null, "", state ? `#viewer-${this.number}?${state}` : location.pathname);
+      }, 300);
+    }
+
+    /** Takes the state from the address. */
+    restore(state) {
+      const numbers = Object.fromEntries([...new URLSearchParams(state)].map(([key, value]) => [key, Number(value)]));
+      const {images, layers, times} = this.sources;
+      const counts = {a: images.length, b: images.length, side: 2, mode: viewer.modes.length, layer: layers.length,
+        quantity: viewer.quantities.length, error: report.pixels.errors.length, tone: report.pixels.tones.length,
+        time: times.length};
+      const known = Object.entries(numbers).filter(([key, value]) => key in this.state && Number.isFinite(value) &&
+        (!(key in counts) || (Number.isInteger(value) && value >= 0 && value < counts[key])));
+      this.apply(Object.fromEntries(known));
+      if (numbers.zoom > 0) Object.assign(this.stage, {x: numbers.x, y: numbers.y, zoom: numbers.zoom});
+      this.stage.place.scrollIntoView({block: "center"});
+    }
+
+    savePicture() {
+      const link = element("a", {download: `${this.scene}.png`, href: this.stage.canvas.toDataURL("image/png")});
+      link.click();
+    }
+
+    /** Shows the layer `name` of an image as A. */
+    choose(index, name) {
+      this.apply({a: index, layer: this.sources.layers.findIndex((layer) => layer.name === name), side: 0, mode: this.pairMode});
       this.stage.place.scrollIntoView({block: "nearest"});
     }
 
@@ -121,14 +164,7 @@ report.panel = (() => {
     show(index, quantity, seconds) {
       const {times} = this.sources;
       const time = times.findLastIndex((t) => t <= (seconds ?? Infinity));
-      Object.assign(this.state, {a: index, b: 0, quantity, layer: 0, side: 0, time: Math.max(0, time)});
-      this.a.set(index);
-      this.b.set(0);
-      this.quantity.set(quantity);
-      this.layer.set(0);
-      this.time.set(this.state.time);
-      this.showMode();
-      this.changed();
+      this.apply({a: index, b: 0, quantity, layer: 0, side: 0, time: Math.max(0, time), mode: this.pairMode});
       this.stage.heading.scrollIntoView({block: "start"});
       this.stage.place.focus({preventScroll: true});
     }
@@ -146,31 +182,36 @@ report.panel = (() => {
     }
 
     flip() {
-      if (this.state.mode === 1) return;
+      if (this.state.mode !== 0) return;
       this.state.side = 1 - this.state.side;
       this.showMode();
     }
 
     showMode() {
-      const slides = this.state.mode === 1;
-      this.flipButton.hidden = slides;
-      this.split.whole.hidden = !slides;
+      for (const part of [this.a.whole, this.b.whole, this.stage.heading]) part.hidden = this.stage.isGrid;
+      this.flipButton.hidden = this.state.mode !== 0;
+      this.split.whole.hidden = this.state.mode !== 1;
       this.flipButton.textContent = `Flip to ${"BA"[this.state.side]}`;
       this.stage.draw();
       this.showValues(this.stage.cursor);
     }
 
     showLegend() {
-      const {name} = viewer.quantities[this.state.quantity];
-      this.legend.hidden = !this.isMap;
-      if (!this.isMap) return;
-      const end = percent(viewer.largestError / 2 ** this.state.amplification);
+      const {name} = viewer.quantities[this.state.quantity], {falseColours, tones} = report.pixels;
+      this.legend.hidden = !this.isMap && tones[this.state.tone] !== "false colour";
+      if (this.legend.hidden) return;
+      const brightest = viewer.brightest(this.state), end = percent(brightest);
+      const luminance = (log) => number(2 ** (log - this.state.stops), 3);
       const [low, high, words] = {
-        error: ["0", `${end} and more`, "relative error of a pixel, |x − r| / √(r² + ε), mean of the channels"],
+        image: [luminance(falseColours.low), luminance(falseColours.high), "luminance [W/(sr m²)], logarithmic"],
+        error: [
+          ["0", `${end} and more`, "relative error of a pixel, |x − r| / √(r² + ε), mean of the channels"],
+          ["0", `${number(brightest, 3)} and more`, "what the squared relative RMSE is the mean of, (x − r)² / (r² + ε)"],
+          ["0", `${number(brightest, 3)} and more`, "|x − r| [W/(sr m²)], mean of the channels"]][this.state.error],
         bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels; grey: the seeds do not tell it from 0"],
         FLIP: ["0", "1", "FLIP: how much of a difference a viewer sees at 67 pixels per degree"],
       }[name];
-      const colors = data.scales[name.toLowerCase()].map((c) => `rgb(${c.join(",")})`).join(",");
+      const colors = data.scales[this.isMap ? name.toLowerCase() : "error"].map((c) => `rgb(${c.join(",")})`).join(",");
       const bar = element("div", {className: "scale"});
       bar.style.background = `linear-gradient(90deg, ${colors})`;
       this.legend.replaceChildren(element("div", {className: "scale-ends"}, element("span", {textContent: low}),
@@ -181,9 +222,9 @@ report.panel = (() => {
       if (!side || side.none) return "–";
       const i = pixel.row * this.sources.pictures.width + pixel.column;
       if (side.map) {
-        const v = side.map.values[i];
-        return viewer.quantities[this.state.quantity].name === "FLIP" ? number(v, 3)
-          : percent(v, viewer.quantities[this.state.quantity].name === "bias") +
+        const v = side.map.values[i], {name} = viewer.quantities[this.state.quantity];
+        return name === "FLIP" || (name === "error" && this.state.error > 0) ? number(v, 3)
+          : percent(v, name === "bias") +
             (side.halfWidth ? ` ± ${number(100 * side.halfWidth.values[i], 3)}` : "");
       }
       return [0, 1, 2].map((k) => number(side.image.values[3 * i + k])).join("  ");
@@ -197,13 +238,14 @@ report.panel = (() => {
         return;
       }
       const what = this.isMap ? viewer.quantities[this.state.quantity].name : "R G B, linear";
-      const row = (index) => {
-        const active = this.state.mode === 1 || this.state.side === index;
-        return element("span", {className: `value${active ? " active" : ""}`, attributes: {"data-side": "AB"[index]}},
-          element("b", {textContent: "AB"[index]}), this.valueText(this.stage.sides[index], pixel));
+      const row = (side, index) => {
+        const active = this.state.mode !== 0 || this.state.side === index;
+        const name = this.stage.isGrid ? side.label : "AB"[index];
+        return element("span", {className: `value${active ? " active" : ""}`, attributes: {"data-side": name}},
+          element("b", {textContent: name}), this.valueText(side, pixel));
       };
       this.values.replaceChildren(
-        element("span", {className: "where", textContent: `x ${pixel.column}, y ${pixel.row}`}), row(0), row(1),
+        element("span", {className: "where", textContent: `x ${pixel.column}, y ${pixel.row}`}), ...this.stage.sides.map(row),
         element("span", {className: "muted", textContent: what}));
     }
   }

@@ -23,12 +23,28 @@ report.pixels = (() => {
   }
   const tables = Object.fromEntries(Object.entries(data.scales).map(([name, scale]) => [name, table(scale)]));
 
-  /** ImageData of an image of radiance, whose values are multiplied by 2^stops. */
-  function picture(image, stops) {
-    const out = new ImageData(image.width, image.height);
+  // False colours show luminances from 2^-8 to 2^4, once multiplied.
+  const falseColours = {low: -8, high: 4};
+
+  /** ImageData of an image of radiance, whose values are multiplied by 2^stops, by one of the `tones`. */
+  function picture(image, stops, tone = "linear") {
     const factor = 2 ** stops;
+    if (tone === "false colour") {
+      const logs = new Float32Array(image.values.length / 3);
+      for (let i = 0; i < logs.length; ++i) {
+        const [r, g, b] = image.values.subarray(3 * i, 3 * i + 3);
+        logs[i] = Math.log2(Math.max(factor * (0.212671 * r + 0.71516 * g + 0.072169 * b), 1e-30));
+      }
+      return map({...image, values: logs}, "error", falseColours.low, falseColours.high);
+    }
+    // Narkowicz 2015, "ACES Filmic Tone Mapping Curve".
+    const filmic = (v) => v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14);
+    const out = new ImageData(image.width, image.height);
     for (let i = 0, o = 0; i < image.values.length; i += 3, o += 4) {
-      for (let k = 0; k < 3; ++k) out.data[o + k] = shown(image.values[i + k] * factor);
+      for (let k = 0; k < 3; ++k) {
+        const v = image.values[i + k] * factor;
+        out.data[o + k] = shown(tone === "filmic" ? filmic(Math.max(v, 0)) : v);
+      }
       out.data[o + 3] = 255;
     }
     return out;
@@ -57,14 +73,19 @@ report.pixels = (() => {
     return {...images[0], values};
   }
 
-  /** The tables' relative error for each pixel: the mean over channels of |x - r| / sqrt(r_total^2 + epsilon). */
-  function errorOf(x, r, total, epsilon) {
+  /** The errors of pixels: the mean over the channels of the difference d, t being the reference's total. */
+  const errors = {
+    "relative": (d, t, epsilon) => Math.abs(d) / Math.sqrt(t ** 2 + epsilon),
+    "relative, squared": (d, t, epsilon) => d ** 2 / (t ** 2 + epsilon),
+    "absolute": (d) => Math.abs(d),
+  };
+  function errorOf(x, r, total, epsilon, kind = "relative") {
     const values = new Float32Array(x.width * x.height);
     for (let i = 0; i < x.values.length; ++i)
-      values[Math.floor(i / 3)] +=
-        Math.abs(x.values[i] - r.values[i]) / Math.sqrt(total.values[i] ** 2 + epsilon) / 3;
+      values[Math.floor(i / 3)] += errors[kind](x.values[i] - r.values[i], total.values[i], epsilon) / 3;
     return {width: x.width, height: x.height, channels: 1, values};
   }
 
-  return {picture, map, sum, errorOf, scaleColor};
+  return {picture, map, sum, errorOf, scaleColor, falseColours, tones: ["linear", "filmic", "false colour"],
+    errors: Object.keys(errors)};
 })();

@@ -1,15 +1,8 @@
 // Draws bias^2, variance and mean squared error against the parameter of a sweep.
 "use strict";
 report.sweeps = (() => {
-  const {element, controls, charts, number} = report;
+  const {element, controls, charts, number} = report, {set} = charts;
   const parts = {bias2: {name: "bias²", column: 1}, variance: {name: "variance", column: 4}};
-
-  function set(label, color, points, extra) {
-    return {
-      label, data: points, showLine: true, borderColor: color, backgroundColor: color, borderWidth: 2, pointRadius: 4,
-      pointHoverRadius: 6, ...extra,
-    };
-  }
 
   function partSets(points, part) {
     const {name, column} = parts[part];
@@ -18,11 +11,9 @@ report.sweeps = (() => {
     const at = (p, y) => ({x: p[0], y, low: p[column + 1], high: p[column + 2]});
     const shown = points.filter(isResolved);
     const band = shown.filter((p) => p[column + 1] > 0);
-    const plain = {hover: false, borderWidth: 0, pointRadius: 0, pointHoverRadius: 0, pointHitRadius: 0};
     return [
       set(name, color, shown.map((p) => at(p, p[column])), part === "variance" ? {pointStyle: "rect"} : {}),
-      set(name, color, band.map((p) => at(p, p[column + 1])), {...plain, fill: false}),
-      set(name, color, band.map((p) => at(p, p[column + 2])), {...plain, fill: "-1", backgroundColor: `${color}30`}),
+      ...charts.band(name, color, band.map((p) => at(p, p[column + 1])), band.map((p) => at(p, p[column + 2]))),
       set(name, color, points.filter((p) => !isResolved(p) && p[column + 2] > 0)
         .map((p) => ({x: p[0], y: p[column + 2], isBound: true})),
       {showLine: false, pointBackgroundColor: "transparent", pointStyle: "triangle", pointRotation: 180}),
@@ -71,7 +62,7 @@ report.sweeps = (() => {
           ...partSets(sweep.components[shown].points, "variance"),
           set("mean squared error", report.color("--muted"),
             sweep.components[shown].points.filter((p) => p[7] > 0).map((p) => ({x: p[0], y: p[7]})),
-            {borderDash: [5, 4], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 6}),
+            charts.dashed),
         ],
         xAxis: () => charts.axis("logarithmic", sweep.parameter),
         yAxis: () => charts.axis("logarithmic", "radiance²"),

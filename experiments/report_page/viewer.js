@@ -1,4 +1,4 @@
-// Shows two of the images of a scene, A and B, at the same position and zoom: flipped, or side by side.
+// Shows images of a scene at the same position and zoom: two of them, A and B, flipped or side by side, or all in a grid.
 "use strict";
 report.viewer = (() => {
   const {data, element, number, pixels} = report;
@@ -8,6 +8,7 @@ report.viewer = (() => {
     {name: "bias", needsFinal: true},
     {name: "FLIP", needsFinal: true},
   ];
+  const modes = ["flip", "slide", "grid"];
   const largestError = 0.25; // error with the brightest colour in a map that is not amplified
   const longest = 64; // number of unpacked images that are kept
 
@@ -22,23 +23,30 @@ report.viewer = (() => {
     else if (!side.image) side.none = `it does not simulate ${sources.layers[state.layer].name}`;
     else if (quantity.name === "error") {
       const [r, total] = await Promise.all([sources.layer(0, state.layer), sources.layer(0, 0)]);
-      if (r) side.map = pixels.errorOf(side.image, r, total, sources.pictures.epsilon);
+      if (r) side.map = pixels.errorOf(side.image, r, total, sources.pictures.epsilon, pixels.errors[state.error]);
       else side.none = "the reference does not have this component";
-      if (blob && quantity.name === "bias") side.halfWidth = await report.blobs.get(sources.images[index].bias_half_width);
     } else if (quantity.name !== "image") {
       const blob = sources.images[index][quantity.name.toLowerCase()];
       if (blob) side.map = await report.blobs.get(blob);
       else side.none = index === 0 ? "the others are measured against the reference" : "it was not measured";
+      if (blob && quantity.name === "bias") side.halfWidth = await report.blobs.get(sources.images[index].bias_half_width);
     }
     return side;
+  }
+
+  /** The error with the brightest colour: squared where errors are; absolute errors are those of a radiance shown as 1. */
+  function brightest(state) {
+    const amplified = largestError / 2 ** state.amplification;
+    if (quantities[state.quantity].name !== "error") return amplified;
+    return [amplified, amplified ** 2, amplified / 2 ** state.stops][state.error];
   }
 
   /** An off-screen canvas with what the side shows. */
   function bitmapOf(side, state) {
     if (side.none) return null;
-    const amplified = largestError / 2 ** state.amplification;
+    const amplified = brightest(state);
     const {name} = quantities[state.quantity];
-    const shown = name === "image" ? pixels.picture(side.image, state.stops)
+    const shown = name === "image" ? pixels.picture(side.image, state.stops, pixels.tones[state.tone])
       : name === "error" ? pixels.map(side.map, "error", 0, amplified)
       : name === "bias" ? pixels.map(side.map, "bias", -amplified, amplified, side.halfWidth)
       : pixels.map(side.map, "flip", 0, 1);
@@ -72,13 +80,25 @@ report.viewer = (() => {
       new ResizeObserver(() => this.resize()).observe(this.place);
     }
 
+    get isGrid() { return modes[this.state.mode] === "grid"; }
+
+    /** The part of the stage that one image has: {width, height, columns}. The columns of a grid make its cells as large as can be. */
+    get cell() {
+      const {clientWidth, clientHeight} = this.place;
+      const count = this.isGrid ? this.sources.images.length : 1;
+      const cells = Array.from({length: count}, (_, i) =>
+        ({columns: i + 1, width: clientWidth / (i + 1), height: clientHeight / Math.ceil(count / (i + 1))}));
+      const zoom = ({width, height}) => Math.min(width / this.size.width, height / this.size.height);
+      return cells.reduce((best, cell) => zoom(cell) > zoom(best) ? cell : best);
+    }
+
     resize() {
       const {clientWidth: width, clientHeight: height} = this.place;
       const wasFit = !this.zoom || Math.abs(this.zoom - this.fitZoom) < 1e-6;
       this.ratio = devicePixelRatio || 1;
       this.canvas.width = Math.max(1, Math.round(width * this.ratio));
       this.canvas.height = Math.max(1, Math.round(height * this.ratio));
-      this.fitZoom = Math.min(width / this.size.width, height / this.size.height);
+      this.fitZoom = Math.min(this.cell.width / this.size.width, this.cell.height / this.size.height);
       if (wasFit) this.fit();
       this.draw();
     }
@@ -86,13 +106,13 @@ report.viewer = (() => {
     fit() { this.setZoom(this.fitZoom, 0, 0); this.center(); }
 
     center() {
-      const {clientWidth: width, clientHeight: height} = this.place;
+      const {width, height} = this.cell;
       this.x = (width - this.zoom * this.size.width) / 2;
       this.y = (height - this.zoom * this.size.height) / 2;
       this.draw();
     }
 
-    /** Zooms so that the point (x, y) of the stage stays where it is. */
+    /** Zooms so that the point (x, y) of a cell stays where it is. */
     setZoom(zoom, x, y) {
       const next = Math.min(64, Math.max(Math.min(this.fitZoom, 1) / 2, zoom));
       this.x = x - (x - (this.x ?? 0)) * next / (this.zoom || next);
@@ -102,11 +122,11 @@ report.viewer = (() => {
       this.draw();
     }
 
-    zoomBy(factor) { this.setZoom(this.zoom * factor, this.place.clientWidth / 2, this.place.clientHeight / 2); }
+    zoomBy(factor) { this.setZoom(this.zoom * factor, this.cell.width / 2, this.cell.height / 2); }
 
     pan(dx, dy) { this.x += dx; this.y += dy; this.draw(); }
 
-    /** The pixel at a point of the stage, or null. */
+    /** The pixel at a point of a cell, or null. */
     pixelAt(x, y) {
       const column = Math.floor((x - this.x) / this.zoom);
       const row = Math.floor((y - this.y) / this.zoom);
@@ -126,7 +146,7 @@ report.viewer = (() => {
     async update() {
       const turn = ++this.turn;
       this.place.setAttribute("aria-busy", "true");
-      const shown = [this.state.a, this.state.b];
+      const shown = this.isGrid ? [...this.sources.images.keys()] : [this.state.a, this.state.b];
       const sides = await Promise.all(shown.map((index) => sideOf(this.sources, this.state, index)));
       if (turn !== this.turn) return; // something newer was asked for
       this.sides = sides;
@@ -150,17 +170,40 @@ report.viewer = (() => {
       context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
       context.imageSmoothingEnabled = false;
       context.clearRect(0, 0, this.place.clientWidth, this.place.clientHeight);
-      const slides = this.state.mode === 1;
-      if (slides) {
+      const slides = this.state.mode === 1, {clientWidth} = this.place;
+      if (this.isGrid) this.drawGrid(context);
+      else if (slides) {
         this.drawSide(context, 0, 0, this.splitX);
-        this.drawSide(context, 1, this.splitX, this.place.clientWidth);
+        this.drawSide(context, 1, this.splitX, clientWidth);
         context.fillStyle = "#fff";
         context.fillRect(this.splitX - 1, 0, 2, this.place.clientHeight);
         context.strokeStyle = "#000";
         context.strokeRect(this.splitX - 1.5, -1, 3, this.place.clientHeight + 2);
-      } else this.drawSide(context, this.state.side, 0, this.place.clientWidth);
-      this.drawCursor(context);
+      } else this.drawSide(context, this.state.side, 0, clientWidth);
+      if (!this.isGrid) this.drawCursor(context);
       this.showLabels(slides);
+      this.onDraw?.();
+    }
+
+    /** All images, each with its name. */
+    drawGrid(context) {
+      const {width, height, columns} = this.cell;
+      context.font = "12px system-ui, sans-serif";
+      for (const [index, side] of this.sides.entries()) {
+        context.save();
+        context.translate((index % columns) * width, Math.floor(index / columns) * height);
+        context.beginPath();
+        context.rect(0, 0, width - 1, height - 1);
+        context.clip();
+        this.drawSide(context, index, 0, width);
+        this.drawCursor(context);
+        const text = side.none ? `${side.label}: ${side.none}` : side.label;
+        context.fillStyle = "rgb(0 0 0 / 65%)";
+        context.fillRect(0, 0, context.measureText(text).width + 10, 18);
+        context.fillStyle = "#fff";
+        context.fillText(text, 5, 13);
+        context.restore();
+      }
     }
 
     drawSide(context, index, from, to) {
@@ -209,5 +252,5 @@ report.viewer = (() => {
     }
   }
 
-  return {Stage, quantities, largestError};
+  return {Stage, quantities, modes, largestError, brightest};
 })();

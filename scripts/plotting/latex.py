@@ -1,12 +1,11 @@
 """Makes a LaTeX table of one scene, which a document reads by \\input. It needs the package booktabs."""
 import math
 
-from plotting.result_tables import is_number, labels_of
+from plotting.result_tables import TARGETS, is_number, labels_of
 
 ESCAPES = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
            "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}",
            ">": r"\textgreater{}", "|": r"\textbar{}"}
-TARGETS = (("seconds_to_5pct", "5"), ("seconds_to_2pct", "2"), ("seconds_to_1pct", "1"))
 NONE = "---"
 
 
@@ -20,10 +19,15 @@ def number(value):
         return "0"
     size = abs(value)
     if size < 1e-3 or size >= 1e5:
-        mantissa, exponent = f"{value:.2e}".split("e")
-        return rf"${mantissa}\times10^{{{int(exponent)}}}$"
+        return power(value)
     decimals = 0 if size >= 100 else 1 if size >= 10 else 2 if size >= 1 else 3 if size >= 0.1 else 4
     return f"{value:.{decimals}f}"
+
+
+def power(value):
+    """Three significant digits with a power of ten, so that all numbers of a column look alike."""
+    mantissa, exponent = f"{value:.2e}".split("e")
+    return rf"${mantissa}\times10^{{{int(exponent)}}}$" if value else "0"
 
 
 def optional(value):
@@ -36,8 +40,8 @@ def bias2(row):
     if row["bias_state"] == "unbiased":
         return "unbiased"
     if is_number(low) and is_number(high) and low <= 0:
-        return rf"$<${number(high)}"
-    return number(max(0.0, value)) if is_number(value) else NONE
+        return rf"$<${power(high)}"
+    return power(max(0.0, value)) if is_number(value) else NONE
 
 
 def time(row, column):
@@ -71,30 +75,41 @@ def relative_rmse(row):
 
 def left_out(row):
     """The effects and the light that a method leaves out, as in table.md."""
-    effects, light = (row[name].replace(";", ", ") for name in ("effects_missing", "components_missing"))
+    effects, light = (row[name].replace(";", ", ").replace("_", " ") for name in ("effects_missing", "components_missing"))
     return "; ".join(part for part in (effects, f"light of {light}" if light else "") if part)
 
 
-def table_row(row, label, with_missing):
-    cells = [rf"\texttt{{{escaped(label)}}}", optional(row["seconds"]), relative_rmse(row), bias2(row),
-             optional(row["variance"]), *(time(row, column) for column, _ in TARGETS)]
-    if with_missing:
-        cells.append(escaped(left_out(row)))
-    return "  " + " & ".join(cells) + r" \\"
+def plain(column):
+    return lambda row: optional(row[column])
 
 
-def latex_table(rows, scene, component):
-    """The table as text; `rows`: those of table.csv for one scene and component."""
+# Head and cell of each column, by the names that --columns takes: those of table.csv, but for the first and the last.
+COLUMNS = {
+    "rel_rmse": (r"relative RMSE [\%]", relative_rmse),
+    "seconds": ("time [s]", plain("seconds")),
+    "bias2": ("bias$^2$ [radiance$^2$]", bias2),
+    "variance": ("variance [radiance$^2$]", lambda row: power(row["variance"]) if is_number(row["variance"]) else NONE),
+    **{f"seconds_to_{target}pct": (rf"time to {target}\,\% [s]", lambda row, target=target: time(row, f"seconds_to_{target}pct"))
+       for target in TARGETS},
+    "noise_centroid": ("noise centroid [cycles/pixel]", plain("noise_centroid")),
+    "flip": ("FLIP", plain("flip")),
+    "left_out": ("left out", lambda row: escaped(left_out(row))),
+}
+USUAL = ("seconds", "rel_rmse", "bias2", "variance", "seconds_to_5pct", "seconds_to_2pct", "seconds_to_1pct")
+
+
+def latex_table(rows, scene, component, columns=None):
+    """The table as text; `rows`: those of table.csv for one scene and component. `columns`: names in COLUMNS; None: the usual
+    ones, and `left_out` if a method leaves out anything."""
     labels = labels_of(rows)
-    with_missing = any(left_out(row) for row in rows)
-    columns = "l" + "r" * (4 + len(TARGETS)) + ("l" if with_missing else "")
-    heads = ["method", "time [s]", r"relative RMSE [\%]", "bias$^2$ [radiance$^2$]", "variance [radiance$^2$]",
-             *(rf"time to {target}\,\% [s]" for _, target in TARGETS)]
-    if with_missing:
-        heads.append("left out")
+    columns = columns or (*USUAL, *(["left_out"] if any(left_out(row) for row in rows) else []))
+    letters = "l" + "".join("l" if column == "left_out" else "r" for column in columns)
+    heads = ["method", *(COLUMNS[column][0] for column in columns)]
     comment = f"% Scene {scene}, component {component}; needs \\usepackage{{booktabs}}.".replace("\n", " ")
     settings = [f"% {name}: {method}".replace("\n", " ") for method, name in labels.items() if name != method]
-    lines = [comment, *settings, rf"\begin{{tabular}}{{@{{}}{columns}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
+    lines = [comment, *settings, rf"\begin{{tabular}}{{@{{}}{letters}@{{}}}}", r"  \toprule", "  " + " & ".join(heads) + r" \\",
              r"  \midrule"]
-    lines += [table_row(row, labels[row["method"]], with_missing) for row in rows]
+    for row in rows:
+        cells = [rf"\texttt{{{escaped(labels[row['method']])}}}", *(COLUMNS[column][1](row) for column in columns)]
+        lines.append("  " + " & ".join(cells) + r" \\")
     return "\n".join([*lines, r"  \bottomrule", r"\end{tabular}", ""])

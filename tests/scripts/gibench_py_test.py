@@ -1,11 +1,13 @@
 """Tests of scripts/gibench.py with a small experiment: numbers against the CSV files, layers against oiiotool and their sum.
 Usage: gibench_py_test.py GIBENCH. Exit code 77: skipped."""
 import csv
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
@@ -100,6 +102,38 @@ class Module(unittest.TestCase):
             run = plot(*options)
             self.assertEqual(run.returncode, 2)
             self.assertIn(message, run.stderr)
+
+    def test_the_notebook_makes_three_figures(self):
+        try:
+            import matplotlib
+        except ImportError as error:
+            self.skipTest(str(error))
+        matplotlib.use("agg")
+        from matplotlib import pyplot
+        sweep = os.path.join(self.parent.name, "sweep.toml")
+        with open(sweep, "w", encoding="utf-8") as file:
+            file.write(EXPERIMENT.format(root=ROOT) + 'spp = 2\n[[method]]\nname = "photon_mapper"\nphotons = [100, 300, 1000]\nspp = 2\n')
+        with open(os.path.join(ROOT, "scripts", "figures.ipynb"), encoding="utf-8") as file:
+            cells = [cell for cell in json.load(file)["cells"] if cell["cell_type"] == "code"]
+        self.assertEqual([cell["outputs"] for cell in cells], [[]] * len(cells), "without outputs")
+        before, names = os.getcwd(), {}
+        with unittest.mock.patch.object(gibench, "ROOT", self.parent.name), \
+                unittest.mock.patch.object(gibench.run, "__kwdefaults__", {"out": None, "program": PROGRAM}):
+            try:
+                for cell in cells:
+                    exec("".join(cell["source"]), names)  # pylint: disable=exec-used
+                    if "EXPERIMENTS" in names:
+                        names["EXPERIMENTS"] = sweep, sweep
+            finally:
+                os.chdir(before)
+        curves, bias, images = (pyplot.figure(number).axes for number in pyplot.get_fignums())
+        self.assertEqual([len(line.get_xdata()) for line in curves[0].lines], [2, 2, 2, 2], "passes of four methods")
+        rows = {row["method"]: row for row in gibench.table(os.path.join(self.parent.name, "results", "sweep"))
+                if row["component"] == bias[0].get_title().split(", ")[1]}
+        for line, column in zip(bias[0].lines, ("bias2", "variance")):
+            self.assertEqual(list(line.get_xdata()), [100, 300, 1000])
+            self.assertEqual(list(line.get_ydata()), [rows[f"photon_mapper photons={n} spp=2"][column] for n in (100, 300, 1000)])
+        self.assertEqual([len(axes.images) for axes in images], [1] * 5, "the reference and four methods")
 
     def test_a_missing_file_is_named(self):
         with self.assertRaisesRegex(OSError, "nothing.exr"):

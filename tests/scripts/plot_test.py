@@ -244,14 +244,28 @@ class PlotTest(unittest.TestCase):
         lines = content(self.out)["table-box.tex"].decode().split("\n")
         rows = [line.strip() for line in lines if line.startswith(r"  \texttt")]
         self.assertEqual(rows, [
-            r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & $<$$3.00\times10^{-5}$ & 0.0012 & 3.46 & "
+            r"\texttt{path spp=4} & 16.0 & 10.00 (9.00--11.00) & $<$$3.00\times10^{-5}$ & $1.23\times10^{-3}$ & 3.46 & "
             r"22.0 (extrapolated, 20.0--25.0) & at least 88.0 (extrapolated) &  \\",
             r"\texttt{photon\_mapper photons=1e4 \& 50\%} & 32.0 & 10.00 (9.00--11.00) & $2.00\times10^{-4}$ & "
-            r"$1.23\times10^{-4}$ & 12.3 & $1.23\times10^{6}$ & never & caustics, glossy\_lobes; light of caustic, indirect \\"])
+            r"$1.23\times10^{-4}$ & 12.3 & $1.23\times10^{6}$ & never & caustics, glossy lobes; light of caustic, indirect \\"])
+        self.assert_columns_fit(lines)
+
+    def assert_columns_fit(self, lines):
         columns = re.search(r"@\{\}(\w+)@\{\}", lines[1])[1]
         for line in lines:
             if line.endswith(r"\\"):
                 self.assertEqual(len(re.findall(r"(?<!\\)&", line)) + 1, len(columns), line)
+
+    def test_latex_has_the_chosen_columns_in_their_order(self):
+        out = os.path.join(self.parent.name, "columns")
+        run = plot(self.folder, "--out", out, "--format", "svg", "--columns", "variance,left_out,rel_rmse")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        lines = content(out)["table-box.tex"].decode().split("\n")
+        self.assertIn(r"  \texttt{path spp=4} & $1.23\times10^{-3}$ &  & 10.00 (9.00--11.00) \\", lines)
+        self.assertIn(r"  method & variance [radiance$^2$] & left out & relative RMSE [\%] \\", lines)
+        self.assert_columns_fit(lines)
+        for name, (_, cell) in latex.COLUMNS.items():
+            self.assertIsInstance(cell(result_tables.read_results(self.folder).table[0]), str, name)
 
 
 class PartsTest(unittest.TestCase):
@@ -390,6 +404,8 @@ class ErrorTest(unittest.TestCase):
         self.refused(message, "--component", "volume")
         self.refused("there is no format 'gif'", "--format", "pdf,gif")
         self.refused("'3.5' is not a length", "--width", "3.5")
+        self.refused("there is no column 'varience'; did you mean 'variance'? There are: ", "--columns", "bias2,varience")
+        self.refused("--columns is for the LaTeX table", "--columns", "bias2", "--images")
         self.refused("invalid choice: 'psnr'", "--metric", "psnr")
 
     def test_nothing_is_half_written(self):

@@ -116,6 +116,66 @@ TEST(PhotonsPage, LooksThroughTheScenesCamera) {
     EXPECT_NEAR(camera["fov"].get<double>() / 2, half * 180 / std::numbers::pi, 1.5) << "of 32 rows";
 }
 
+/// A channel of an image of the page at the pixels of its grid.
+std::vector<float> red_of(const std::string& page, const json& name) {
+    std::vector<float> values = array<float>(page, name), red;
+    for (std::size_t i = 0; i < values.size(); i += 3)
+        red.push_back(values[i]);
+    return red;
+}
+
+std::vector<float> red_of(const Image& image, const PixelGrid& grid) {
+    std::vector<float> red;
+    for (std::size_t i = 0; i < grid.count(); ++i)
+        red.push_back(image.at(static_cast<std::size_t>(grid.y(i) * image.width + grid.x(i)))[0]);
+    return red;
+}
+
+TEST(PhotonsPage, HoldsTheEstimatesOfTheImagesAtEachK) {
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{250, 100}});
+    const std::string label = "photon_mapper photons=2000 k=20";
+    const CollectedLight light = light_of(box, label, 100, 4);
+    const ConfiguredMethod method(MethodLabel::parse(label));
+    const Estimates estimates = estimates_of({.scene = box, .method = method, .seed = 1, .passes = 2});
+    EXPECT_THAT(estimates.k, ElementsAre("5", "10", "20", "40", "80"));
+    EXPECT_EQ(estimates.own, 2u);
+    EXPECT_EQ(estimates.passes, 2u);
+    EXPECT_EQ(estimates.emitted, 2000u) << "the box has no caustics";
+    EXPECT_FLOAT_EQ(static_cast<float>(estimates.radii.at("global")), 0.1f * box.scene->diagonal());
+
+    Reference reference;
+    reference.total.mean = Image(250, 100);
+    for (std::size_t i = 0; i < reference.total.mean.rgb.size(); ++i)
+        reference.total.mean.rgb[i] = static_cast<float>(i);
+    const std::string page = photons_page({box, label, 1, light, &estimates, &reference});
+    const json facts = json::parse(element_of_page(page, "facts"))["estimates"];
+    const PixelGrid grid(250, 100, 10000);
+    EXPECT_EQ(facts["grid"], json({158, 63, 250, 100})) << "not all of the 25000 pixels";
+    for (const auto& [k, at] : {std::pair("k=20", 2), {"k=80", 4}}) {
+        const ComponentImages image = render(box, std::string("photon_mapper photons=2000 ") + k, 2);
+        const json& names = facts["images"][static_cast<std::size_t>(at)];
+        EXPECT_EQ(red_of(page, names["direct"]), red_of(*image[Component::direct], grid)) << k;
+        EXPECT_EQ(red_of(page, names["indirect"]), red_of(*image[Component::indirect], grid)) << k;
+        EXPECT_FALSE(names.contains("caustic"));
+    }
+    EXPECT_EQ(facts["images"][0]["direct"], facts["images"][4]["direct"]) << "k changes no direct light: stored once";
+    EXPECT_NE(facts["images"][0]["indirect"], facts["images"][4]["indirect"]);
+    EXPECT_EQ(red_of(page, facts["truth"]["total"]), red_of(reference.total.mean, grid));
+    EXPECT_EQ(array<float>(page, "pixel-points").size(), 3 * grid.count());
+}
+
+TEST(PixelGrid, KeepsEvenlySpacedPixelsWithinTheImage) {
+    for (const auto& [width, height, most] : {std::tuple(7, 5, 100), {7, 5, 12}, {1, 1000, 30}, {3, 2, 1}}) {
+        const PixelGrid grid(width, height, most);
+        EXPECT_LE(grid.count(), static_cast<std::size_t>(most));
+        EXPECT_GE(grid.count(), 1u);
+        EXPECT_LT(grid.x(grid.count() - 1), width);
+        EXPECT_LT(grid.y(grid.count() - 1), height);
+        EXPECT_GE(grid.y(grid.count() - 1), height - 1 - height / grid.rows);
+    }
+    EXPECT_EQ(PixelGrid(7, 5, 35).x(6 + 7 * 4), 6) << "all of them";
+}
+
 TEST(Photons, CommandSaysWhatItShows) {
     const TemporaryFolder folder;
     const std::string box = "'" + source_path("scenes/cornell-box.xml") + "' --resolution 8x8 ";
@@ -129,9 +189,17 @@ TEST(Photons, CommandSaysWhatItShows) {
                 exits(2, HasSubstr("photon_mapper, progressive_photon_mapper, radiosity")));
     for (const char* wrong : {"--method photon_mapper -o b.exr", "--method photon_mapper -o none/b.html",
                               "--method photon_mapper --photons-shown 0 -o b.html",
-                              "--method progressive_photon_mapper --passes 256 -o b.html", "--method photon_mapper"}) {
+                              "--method progressive_photon_mapper --passes 256 -o b.html", "--method photon_mapper",
+                              "--method photon_mapper --reference none.exr -o b.html"}) {
         EXPECT_EQ(run(wrong).code, 2) << wrong;
         EXPECT_FALSE(fs::exists(folder / "b.html"));
+    }
+    for (const auto& [image, message] :
+         {std::pair("cornell-box --resolution 4x4", "4 x 4 pixels, but the scene's image 8 x 8"),
+          {"furnace --resolution 8x8", "of another scene"}}) {
+        ASSERT_EQ(run_gibench(std::string("render ") + image + " --method 'path spp=1' -o r.exr", folder / "").code, 0);
+        EXPECT_THAT(run("--method 'photon_mapper photons=100' --reference r.exr -o b.html"),
+                    exits(2, HasSubstr(message)));
     }
     EXPECT_THAT(run("--method 'photon_mapper photons=0' -o c.html"),
                 exits(0, HasSubstr("stores no light in this scene; skipped: ")));

@@ -29,6 +29,7 @@ PAGES = {
     "passes": ("cornell-box", "--method", "progressive_photon_mapper photons=1000 radius=0.1", "--passes", "3"),
     "rainbow": ("rainbow", "--method", "photon_mapper photons=3000"),
     "radiosity": ("cornell-box", "--method", "radiosity patch=0.1"),
+    "estimates": ("cornell-box", "--method", "photon_mapper photons=4000 k=20", "--reference", "truth.exr"),
 }
 
 # A point light, a ball of glass that splits light by wavelength, and a floor.
@@ -54,8 +55,11 @@ class Page:
             path = os.path.join(folder, "rainbow.xml")
             with open(path, "w", encoding="utf-8") as file:
                 file.write(RAINBOW)
+        if "--reference" in arguments:
+            subprocess.run([program, "reference", path, "--resolution", "32x32", "--target", "10%", "-o", "truth.exr"],
+                           capture_output=True, check=True, cwd=folder)
         run = subprocess.run([program, "photons", path, "--resolution", "32x32", *arguments,
-                              "-o", self.path], capture_output=True, text=True, check=False)
+                              "-o", self.path], capture_output=True, text=True, check=False, cwd=folder)
         assert run.returncode == 0, run.stderr
         with open(self.path, encoding="utf-8") as file:
             self.text = file.read()
@@ -232,6 +236,96 @@ class PhotonTest(PhotonsCase):
         self.assertRegex(picked, r"Photon of the global map, \d+ bounces\npower")
 
 
+class EstimateTest(PhotonsCase):
+    """The page of `estimates`, whose film has 32 x 32 pixels, against images of the same settings."""
+
+    def click_pixel(self, x, y, steps=0):
+        """Clicks the place that the middle of a pixel sees, moves the slider of k, and returns the table: {name: numbers}."""
+        columns = self.page.facts["estimates"]["grid"][0]
+        place = self.script("""
+            const {view, layers} = arguments[0], at = layers.estimates.pointOf(arguments[1]).project(view.camera);
+            return [at.x, at.y]""", self.stage, y * columns + x)
+        size = self.stage.size
+        ActionChains(self.driver).move_to_element_with_offset(
+            self.stage, round(place[0] * size["width"] / 2), round(-place[1] * size["height"] / 2)).click().perform()
+        if steps:
+            self.slide("k", steps)
+        found, name = {}, ""
+        for row in self.driver.find_elements(By.CSS_SELECTOR, "#estimate-table tr"):
+            cells = row.text.split()
+            if len(cells) == 1:
+                name = cells[0]
+            else:
+                found[name, cells[0]] = tuple(map(float, cells[1:]))
+        return found
+
+    def image(self, *arguments):
+        """{layer: {(x, y): (r, g, b)}} of an image that gibench makes; without arguments, of the page's reference."""
+        path = os.path.join(self.parent.name, "image.exr" if arguments else "truth.exr")
+        if arguments:
+            subprocess.run([self.program, *arguments, "-o", path], capture_output=True, check=True)
+        said = subprocess.run(["oiiotool", "--info", "-v", "--dumpdata", path], capture_output=True, text=True, check=True).stdout
+        names, layers = re.search(r"channel list: (.*)", said)[1].split(", "), {}
+        pixels = [(int(x), int(y), list(map(float, v.split()))) for x, y, v in re.findall(r"Pixel \((\d+), (\d+)\): ([^\n]*)", said)]
+        for name in names:
+            if name.endswith(".R") or name == "R":
+                layer = name[:-2] or "total"
+                at = [names.index(name[:-1] + c) for c in "RGB"]
+                layers[layer] = {(x, y): tuple(values[i] for i in at) for x, y, values in pixels}
+        return layers
+
+    def assert_digits(self, found, expected):
+        for one, other in zip(found, expected):
+            self.assertLessEqual(abs(one - other), 0.5001e-3 * abs(other) + 1e-7, f"{found}: {expected}")
+
+    def test_a_click_tells_the_numbers_of_the_images(self):
+        self.page = self.open("estimates")
+        box, label = f"{ROOT}/scenes/cornell-box.xml", PAGES["estimates"][2]
+        size = ("--resolution", "32x32")
+        truth = self.image()
+        for steps, k in ((0, 20), (1, 40), (-3, 5)):
+            image = self.image("render", box, *size, "--method", f"{label.replace('k=20', f'k={k}')} spp=4")
+            for x, y in ((5, 16), (16, 30), (27, 12)):
+                table = self.click_pixel(x, y, steps)
+                steps = 0
+                for name in ("direct", "indirect", "total"):
+                    self.assert_digits(table[name, "estimate"], image[name][x, y])
+                    self.assert_digits(table[name, "truth"], truth[name][x, y])
+                    for found, a, b in zip(table[name, "difference"], image[name][x, y], truth[name][x, y]):
+                        self.assertLessEqual(abs(found - (a - b)), 1e-3 * abs(a - b) + 1e-6)
+        self.assertIn("pixel (27, 12)", self.find("#estimate-words").text)
+
+    def test_the_disc_reaches_to_the_kth_photon(self):
+        self.page = self.open("estimates")
+        self.click_pixel(7, 3)
+        for k, steps in ((20, 0), (10, -1)):
+            if steps:
+                self.slide("k", steps)
+            words = self.find("#estimate-words").text
+            radius = float(re.search(rf"disc to the {k}th photon, radius ([\d.]+)", words)[1])
+            # The ceiling around the pixel is flat, and nothing hangs there within the disc: the photons near its plane count.
+            place = self.script("return arguments[0].layers.estimates.pointOf(arguments[0].layers.estimates.pixel).toArray()",
+                                self.stage)
+            away = sorted(sum((a - b) ** 2 for a, b in zip(p, place)) ** 0.5 for p in self.page.array("photon-positions", "3f")
+                          if abs(p[1] - place[1]) < 1e-4)
+            self.assertAlmostEqual(away[k - 1] / radius, 1, delta=0.006)
+            drawn = self.script("""
+                const circle = arguments[0].layers.estimates.marks.children.at(-1).geometry;
+                circle.computeBoundingSphere();
+                return circle.boundingSphere.radius""", self.stage)
+            self.assertAlmostEqual(drawn / radius, 1, delta=0.006)
+
+    def test_a_place_that_the_camera_does_not_see_has_no_estimate(self):
+        self.page = self.open("estimates")
+        self.script("arguments[0].focus()", self.stage)
+        self.stage.send_keys("-" * 12)
+        self.stage.send_keys(Keys.ARROW_LEFT * 20)
+        self.settle()
+        ActionChains(self.driver).move_to_element(self.stage).click().perform()
+        self.assertIn("does not see", self.find("#estimate-words").text)
+        self.assertEqual(self.find("#estimate-table").text, "")
+
+
 class AreaTest(PhotonsCase):
     def test_records_are_discs_of_their_radius(self):
         page = self.open("box")
@@ -274,6 +368,10 @@ class AreaTest(PhotonsCase):
         known = page.array("patch-radiosities", "3f")
         for value in values:
             self.assertTrue(any(all(abs(a - b) <= 0.006 * abs(b) + 1e-9 for a, b in zip(value, one)) for one in known))
+        self.assertIn("pixel (", self.find("#estimate-words").text)
+        size = self.stage.size
+        ActionChains(self.driver).move_to_element_with_offset(self.stage, 3 - size["width"] // 2, 3 - size["height"] // 2).click().perform()
+        self.assertFalse(self.find("#picked").is_displayed(), "nothing lies there")
         self.check("radiosity")
         self.assertEqual(self.drawn(), 0)
 

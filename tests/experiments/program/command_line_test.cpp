@@ -280,7 +280,7 @@ TEST_F(CommandLineTest, ARunEndsWithItsVerdict) {
     EXPECT_EQ(run("run e.toml --out new/deep/r --quiet").out, "");
     EXPECT_THAT(read_file(folder_ / "new/deep/r/table.csv"), HasSubstr("tiny,path,total"));
     const ProgramResult same = run("compare-runs new/deep/r new/deep/r --fail-if-worse");
-    EXPECT_THAT(same, prints(HasSubstr("tiny, path\n"), HasSubstr("x 1.00 ("), HasSubstr("0 better, 0 worse")));
+    EXPECT_THAT(same, prints(HasSubstr("tiny, my paths\n"), HasSubstr("x 1.00 ("), HasSubstr("0 better, 0 worse")));
     EXPECT_THAT(run("compare-runs new/deep/r new/deep/r --csv").out,
                 StartsWith("scene,method,number,at,before,after,factor,"));
     EXPECT_EQ(run("compare-runs new/deep/r nowhere").code, 2);

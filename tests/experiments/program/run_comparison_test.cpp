@@ -95,6 +95,49 @@ TEST(CompareRuns, ASlightlySlowerMachineIsNoChange) {
     EXPECT_GE(comparison.changes.size(), 3u);
 }
 
+// The numbers are those of the tables: the root of the mean squared error, and the time to an error as in table.csv.
+TEST(CompareRuns, NumbersAndNamesAreThoseOfTheTable) {
+    std::mt19937_64 random(9);
+    Analysis before = simulated_run(5, random), after = simulated_run(5, random, 1.5);
+    for (Analysis* analysis : {&before, &after})
+        for (TableRow& row : analysis->rows)
+            row.name = "method " + row.method;
+    const RunComparison comparison = compare_runs(before, after);
+    int of_final_images = 0;
+    for (const Change& change : comparison.changes)
+        for (const auto& [analysis, value] : {std::pair(&before, change.before), {&after, change.after}}) {
+            const TableRow& row = *analysis->row("box", change.method, Layer::total);
+            EXPECT_EQ(change.name, row.name);
+            if (change.of == Change::Of::seconds) {
+                const auto target = std::find(target_errors.begin(), target_errors.end(), change.at);
+                const Field time = time_field(row, static_cast<std::size_t>(target - target_errors.begin()));
+                EXPECT_NEAR(value, time.value, 1e-9 * value);
+            } else if (change.at > row.seconds * (1 - 1e-9)) {
+                ++of_final_images;
+                EXPECT_NEAR(value, std::sqrt(row.statistics->rel_mse_corrected), 0.03 * value) << change.method;
+            }
+        }
+    EXPECT_GE(of_final_images, 3);
+    EXPECT_THAT(change_text(comparison), HasSubstr("box, method a\n"));
+}
+
+TEST(CompareRuns, ErrorsBelowTheNoiseFloorAreSaid) {
+    std::mt19937_64 random(10);
+    Analysis before = simulated_run(5, random), after = simulated_run(5, random, 1, 1e-4);
+    for (Analysis* analysis : {&before, &after})
+        analysis->references = {{.scene = "box", .method = "path", .noise_floors = {{Layer::total, 1e-6}}}};
+    const RunComparison comparison = compare_runs(before, after);
+    const Change& error = comparison.changes.front();
+    EXPECT_EQ(error.method, "a");
+    EXPECT_FALSE(error.before_is_floor);
+    EXPECT_TRUE(error.after_is_floor);
+    EXPECT_DOUBLE_EQ(error.after, 1e-3);
+    EXPECT_EQ(error.verdict, ChangeVerdict::better);
+    EXPECT_THAT(change_text(comparison), HasSubstr("better; new raised to the references' noise floor\n"));
+    EXPECT_EQ(change_table(comparison).rows.front().back(), "yes");
+    EXPECT_THAT(change_text(compare_runs(before, before)), Not(HasSubstr("noise floor")));
+}
+
 TEST(CompareRuns, OneSeedTellsNothing) {
     const Analysis before = analysis_of({run_of("a", 4e-3, 0.5, 16)}),
                    after = analysis_of({run_of("a", 4e-1, 0.5, 16)});

@@ -103,19 +103,20 @@ class ReportCase(BrowserCase):
         return int(x), int(y)
 
     def values(self, side):
-        text = self.section.find_element(By.CSS_SELECTOR, f".value[data-side={side}]").text
-        return [float(v.rstrip("%").replace("−", "-")) for v in text[1:].replace("%", " ").replace("±", " ").split()]
+        text = self.section.find_element(By.CSS_SELECTOR, f".value[data-side='{side}']").text
+        return [float(v.rstrip("%").replace("−", "-")) for v in text[len(side):].replace("%", " ").replace("±", " ").split()]
 
-    def canvas(self, x, y):
-        """The colour of the stage's canvas at the centre of an image's pixel."""
+    def canvas(self, x, y, cell=0):
+        """The colour of the stage's canvas at the centre of an image's pixel, in a cell of the grid."""
         return self.script("""
-            const [section, x, y] = arguments;
-            const stage = section.panel.stage, scale = stage.ratio;
+            const [section, x, y, index] = arguments;
+            const stage = section.panel.stage, scale = stage.ratio, {width, height, columns} = stage.cell;
             const at = (offset, v) => Math.floor((offset + (v + 0.5) * stage.zoom) * scale);
+            const left = index % columns * width, top = Math.floor(index / columns) * height;
             const one = new OffscreenCanvas(1, 1).getContext("2d", {willReadFrequently: true});
-            one.drawImage(stage.canvas, -at(stage.x, x), -at(stage.y, y));
+            one.drawImage(stage.canvas, -at(left + stage.x, x), -at(top + stage.y, y));
             return [...one.getImageData(0, 0, 1, 1).data]
-        """, self.section, x, y)[:3]
+        """, self.section, x, y, cell)[:3]
 
     def assert_pixel(self, found, expected):
         for one, other in zip(found, expected):

@@ -173,6 +173,113 @@ class ViewerTest(ReportCase):
         folder = fixture.cell_folder(self.results, BOX, PATH, 1)
         self.assertAlmostEqual(mean, fixture.record(folder, "flip.json")["flip"], delta=1 / 255)
 
+    def test_errors_of_pixels_in_other_metrics(self):
+        x, y = 11, 23
+        self.go_to(x, y)
+        pairs = list(zip(self.values("A"), self.values("B")))
+        epsilon = self.script("return arguments[0].panel.sources.pictures.epsilon", self.section)
+        self.press("error")
+        legend = self.section.find_element(By.CSS_SELECTOR, ".map-legend")
+        for name, expected, words in (("relative, squared", sum((a - b) ** 2 / (b * b + epsilon) for a, b in pairs) / 3, "0.0625 and more"),
+                                      ("absolute", sum(abs(a - b) for a, b in pairs) / 3, "|x − r|")):
+            self.choose("Error", name)
+            self.assertAlmostEqual(self.values("A")[0] / expected, 1, delta=0.02)
+            self.assertIn(words, legend.text)
+        self.press("image")
+        with self.assertRaisesRegex(AssertionError, "no control"):
+            self.control("Error")
+
+    def test_grid_shows_all_at_one_zoom(self):
+        self.press("grid")
+        names = ["reference", *fixture.METHODS]
+        x, y = 12, 25
+        self.go_to(x, y)
+        self.assertGreater(self.script("return arguments[0].panel.stage.cell.columns", self.section), 1)
+        for zoom in (lambda: None, lambda: self.press("+")):
+            zoom()
+            for index, name in enumerate(names):
+                expected = self.pixels(name)[x, y]
+                self.assert_pixel(self.values(name), expected)
+                exposure = self.script("return 2 ** arguments[0].panel.state.stops", self.section)
+                for byte, value in zip(self.canvas(x, y, index), expected):
+                    self.assertLessEqual(abs(byte - fixture.srgb(value * exposure)), 1.5, name)
+        self.assertTrue(self.script("""
+            const stage = arguments[0].panel.stage, {width, height} = stage.cell;
+            return stage.zoom > stage.fitZoom && 2 * width <= stage.place.clientWidth && height <= stage.place.clientHeight;
+        """, self.section))
+        self.shot("grid")
+        # The pointer in the last cell is at the pixel that all cells show there.
+        box = self.script("return [arguments[0].panel.stage.cell.width, arguments[0].panel.stage.cell.height]", self.section)
+        def to_cell(column, row):
+            ActionChains(self.driver).move_to_element_with_offset(
+                self.stage, round((column + 0.5) * box[0] - self.stage.size["width"] / 2),
+                round((row + 0.5) * box[1] - self.stage.size["height"] / 2)).perform()
+        to_cell(0, 0)
+        first = self.where()
+        to_cell(1, 1)
+        self.assertEqual(self.where(), first)
+        self.press("flip")
+        self.assertIn("A: ", self.label())
+
+    def test_tones(self):
+        self.go_to(8, 24)
+        values = self.values("A")
+        exposure = self.script("return 2 ** arguments[0].panel.state.stops", self.section)
+        self.choose("Tone", "filmic")
+        for byte, value in zip(self.canvas(8, 24), values):
+            v = value * exposure
+            filmic = v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14)
+            self.assertLessEqual(abs(byte - fixture.srgb(filmic)), 1.5)
+        self.choose("Tone", "false colour")
+        legend = self.section.find_element(By.CSS_SELECTOR, ".map-legend")
+        self.assertIn("luminance", legend.text)
+        self.shot("false-colour")
+        ends = [float(word) for word in legend.text.split("\n")[:2]]
+        self.assertAlmostEqual(ends[0] * exposure, 2 ** -8, delta=1e-4)
+        self.assertAlmostEqual(ends[1] * exposure, 2 ** 4, delta=0.1)
+        scale = self.script("return report.data.scales.error")
+        luminance = 0.212671 * values[0] + 0.715160 * values[1] + 0.072169 * values[2]
+        place = (math.log2(luminance * exposure) + 8) / 12 * (len(scale) - 1)
+        step = int(place)
+        for byte, low, high in zip(self.canvas(8, 24), scale[step], scale[step + 1]):
+            self.assertLessEqual(abs(byte - (low + (place - step) * (high - low))), 3)
+
+    def test_the_address_holds_the_state(self):
+        def state():
+            return self.script("const {state, stage} = arguments[0].panel; return [state, stage.x, stage.y, stage.zoom]", self.section)
+        self.press("slide")
+        self.choose("A", PHOTONS)
+        self.choose("Component", "indirect")
+        self.choose("Tone", "filmic")
+        self.keys(self.control("Exposure"), *[Keys.ARROW_LEFT] * 3)
+        self.press("+")
+        before = state()
+        self.wait(lambda: "#viewer-0?" in self.driver.current_url and "zoom=" in self.driver.current_url, "the address")
+        address = self.driver.current_url
+        self.driver.get("about:blank")
+        self.driver.get(address)
+        self.section = self.driver.find_element(By.ID, "scene-0")
+        self.stage = self.section.find_element(By.CSS_SELECTOR, ".stage")
+        self.settle()
+        after = state()
+        self.assertEqual(after[0], before[0])
+        for found, expected in zip(after[1:], before[1:]):
+            self.assertAlmostEqual(found, expected, places=6)
+        self.assertEqual(self.control("Component").get_attribute("value"), str(after[0]["layer"]))
+        self.assertIn(PHOTONS, self.label())
+        for wrong in ("#viewer-9?a=1", "#viewer-0?a=no&nothing=3"):
+            self.script("location.hash = arguments[0]", wrong)
+            self.settle()
+        self.assertEqual(state()[0], before[0])
+
+    def test_png_is_what_the_stage_shows(self):
+        self.script("HTMLAnchorElement.prototype.click = function() { window.saved = [this.download, this.href]; }")
+        self.press("Save PNG")
+        name, url = self.script("return window.saved")
+        self.assertEqual(name, "cornell-box.png")
+        self.assertEqual(url, self.script("return arguments[0].panel.stage.canvas.toDataURL('image/png')", self.section))
+        self.assertTrue(url.startswith("data:image/png;base64,"))
+
     def test_zoom_and_pan_keep_the_pixel_under_the_pointer(self):
         self.focus_stage()
         def zoom():

@@ -1,0 +1,171 @@
+// What the method estimates at a place that the camera sees, beside the reference, and the photons or records that the
+// estimate uses there.
+
+const ESTIMATE_COLORS = { global: 0x4fd0ff, caustic: 0xffc14f, record: 0x7fe08a };
+const COMPONENTS_OF_MAPS = { global: "indirect", caustic: "caustic" };
+
+class Estimates {
+  constructor(view, layers) {
+    this.facts = facts.estimates;
+    this.view = view;
+    this.layers = layers;
+    this.points = arrayOf("pixel-points", Float32Array);
+    this.normals = arrayOf("pixel-normals", Int8Array);
+    this.diffuse = arrayOf("pixel-diffuse", Uint8Array);
+    this.arrays = {};
+    this.chosen = this.facts.own;
+    this.marks = new THREE.Group();
+    view.scene.add(this.marks);
+  }
+
+  pointOf(i) { return new THREE.Vector3().fromArray(this.points, 3 * i); }
+  normalOf(i) { return new THREE.Vector3().fromArray(this.normals, 3 * i).normalize(); }
+
+  /// The pixel whose place lies nearest to p, unless p is farther away than its neighbours in the image are, or unless that
+  /// place is seen from behind here; -1: none.
+  pixelAt(p) {
+    const [columns] = this.facts.grid;
+    let found = -1, best = Infinity;
+    for (let i = 0; i < this.diffuse.length; i++) {
+      const d = p.distanceToSquared(this.pointOf(i));
+      if (d < best) [found, best] = [i, d];
+    }
+    const nearer = (step) => Math.min(...[found - step, found + step].filter((i) => this.points[3 * i] < Infinity)
+      .map((i) => this.pointOf(i).distanceToSquared(this.pointOf(found))));
+    const faces = found >= 0 && this.normalOf(found).dot(this.view.camera.position.clone().sub(p)) > 0;
+    return faces && best <= Math.max(nearer(1), nearer(columns)) ? found : -1;
+  }
+
+  valueOf(name, i) {
+    this.arrays[name] ??= arrayOf(name, Float32Array);
+    return [...this.arrays[name].subarray(3 * i, 3 * i + 3)];
+  }
+
+  /// Shows the estimates at pixel i, or why there are none; undefined: none was asked for.
+  show(i) {
+    this.pixel = i;
+    this.marks.clear();
+    const { truth, images, grid: [columns, rows, width, height] } = this.facts, lines = [];
+    part("estimate-table").replaceChildren();
+    if (i >= 0) {
+      const at = [i % columns * width / columns, Math.floor(i / columns) * height / rows].map(Math.floor);
+      lines.push(`pixel (${at.join(", ")}) [W/(sr m²)]`);
+      const sum = [0, 0, 0];
+      for (const name of ["emission", "direct", "caustic", "indirect", "volume", "total"]) {
+        const shown = [];
+        if (name === "total") shown.push(["estimate", sum]);
+        else if (images[this.chosen][name]) shown.push(["estimate", this.valueOf(images[this.chosen][name], i)]);
+        if (name !== "total") shown[0]?.[1].forEach((v, k) => { sum[k] += v; });
+        if (truth?.[name]) shown.push(["truth", this.valueOf(truth[name], i)]);
+        if (shown.length === 2) shown.push(["difference", shown[0][1].map((v, k) => v - shown[1][1][k])]);
+        if (shown.some(([, values]) => values.some((v) => v !== 0))) this.addRows(name, shown);
+      }
+      lines.push(...this.mark(i));
+    } else if (i === -1) lines.push("The camera does not see this place: no pixel has an estimate of it.");
+    part("estimate-words").textContent = lines.join("\n");
+    this.view.redraw();
+  }
+
+  addRows(name, rows) {
+    const table = part("estimate-table");
+    element("th", element("tr", table, { className: "name" }), { colSpan: 4, textContent: name });
+    for (const [what, values] of rows) {
+      const row = element("tr", table);
+      element("th", row, { textContent: what });
+      for (const v of values) element("td", row, { textContent: v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(3) : v.toPrecision(4) });
+    }
+  }
+
+  /// Draws what the estimate at pixel i uses, and returns it in words.
+  mark(i) {
+    const p = this.pointOf(i), n = this.normalOf(i), words = [];
+    this.line([new THREE.Vector3().fromArray(facts.camera.position), p], 0xffffff);
+    if (!this.diffuse[i]) return ["A specular surface: the path from the eye goes on, and no photons are looked up here."];
+    facts.maps.forEach((map, m) => {
+      const radius = this.facts.radii[map.name], component = COMPONENTS_OF_MAPS[map.name];
+      if (!radius) return;
+      if (map.name === "global" && this.facts.gather) {
+        words.push(`indirect: ${this.facts.gather} rays gather it, here or at records of the cache`);
+        return;
+      }
+      const disc = this.discOf(p, n, m, map, radius);
+      this.circle(p, n, disc.radius, ESTIMATE_COLORS[map.name]);
+      words.push(`${component}: ${disc.words}, radius ${short(disc.radius)} (${map.name === "global" ? "blue" : "yellow"})`);
+    });
+    const { records } = this.layers;
+    if (records) words.push(`irradiance records within reach: ${this.markRecords(records, p, n)} (green)`);
+    return words;
+  }
+
+  /// The disc of an estimate: to the k-th photon of the map whose normal agrees and that lies at less than half the slope of the
+  /// tangent plane, as methods/parts/density/surface_disc.h decides, or the largest one.
+  discOf(p, n, m, map, radius) {
+    const { photons } = this.layers, share = map.shown / map.stored, k = Number(this.facts.k[this.chosen]);
+    const distances = [];
+    for (let j = 0; j < photons.count; j++) {
+      if (photons.infos[4 * j + 1] !== m) continue;
+      const x = photons.positions[3 * j] - p.x, y = photons.positions[3 * j + 1] - p.y, z = photons.positions[3 * j + 2] - p.z;
+      const d2 = x * x + y * y + z * z;
+      if (d2 > radius * radius || (x * n.x + y * n.y + z * n.z) ** 2 > d2 / 4) continue;
+      const [a, b, c] = photons.normals.subarray(3 * j, 3 * j + 3);
+      if (a * n.x + b * n.y + c * n.z > 63.5) distances.push(Math.sqrt(d2));
+    }
+    const about = share < 1 ? "about " : "", inside = counted(Math.round(distances.length / share));
+    const last = Math.max(1, Math.round(k * share));
+    if (!(distances.length >= last)) return { radius, words: `${about}${inside} photons within the largest disc` };
+    distances.sort((a, b) => a - b);
+    return { radius: distances[last - 1], words: `disc to ${about}the ${counted(k)}th photon` };
+  }
+
+  markRecords(records, p, n) {
+    let within = 0;
+    for (let j = 0; j < records.count; j++) {
+      const at = new THREE.Vector3().fromArray(records.positions, 3 * j);
+      const normal = new THREE.Vector3().fromArray(records.normals, 3 * j);
+      if (at.distanceTo(p) > records.radii[j] || normal.dot(n) < 0.9) continue;
+      this.circle(at, normal, records.radii[j], ESTIMATE_COLORS.record);
+      within += 1;
+    }
+    return within;
+  }
+
+  /// A disc that shows through surfaces.
+  circle(p, n, radius, color) {
+    for (const [inner, opacity] of [[0.93, 1], [0, 0.3]]) {
+      const material = new THREE.MeshBasicMaterial({
+        color, opacity, transparent: true, depthTest: false, side: THREE.DoubleSide,
+      });
+      const mesh = new THREE.Mesh(new THREE.RingGeometry(inner * radius, radius, 96), material);
+      mesh.position.copy(p);
+      mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), n);
+      mesh.renderOrder = 4;
+      this.marks.add(mesh);
+    }
+  }
+
+  /// A line that shows through surfaces.
+  line(points, color) {
+    const geometry = new THREE.BufferGeometry().setFromPoints(points);
+    const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color, depthTest: false, transparent: true }));
+    line.renderOrder = 4;
+    this.marks.add(line);
+  }
+}
+
+function addEstimates(view, layers) {
+  const { k, own, passes, truth, emitted } = facts.estimates, estimates = new Estimates(view, layers);
+  const place = part("estimate");
+  place.hidden = false;
+  if (k.length > 1) {
+    const slider = addSlider(place, "k", { min: 0, max: k.length - 1, value: own, text: (i) => k[i] }, (i) => {
+      estimates.chosen = i;
+      estimates.show(estimates.pixel);
+    });
+    place.insertBefore(slider.closest(".row"), part("estimate-words"));
+  }
+  const image = `Estimates are those of the method's image after ${counted(passes)} pass${passes === 1 ? "" : "es"}`;
+  element("p", place, { className: "facts", textContent: `${image}${truth ? "" : "; --reference adds the truth"}.` });
+  if (emitted) element("p", part("maps"), { className: "facts", textContent: `${counted(emitted)} photons emitted. ` +
+    "Powers are in watts if a scene unit is a metre; else they are to be multiplied by its square [m²]." });
+  return estimates;
+}
