@@ -1,28 +1,8 @@
 #include "methods/guided_path/guided_directions.h"
 
-#include "methods/parts/transport/light_sample.h"
-
 #include <cmath>
 
 namespace gib {
-
-/// The power heuristic, against the density with which paths go on towards the light.
-float GuidedDirections::weight_of(const LightSample& light, float by_lobes) const {
-    if (light.delta) return 1.f;
-    const float a = known_->selection();
-    return power_heuristic(light.pdf_w, a > 0.f ? a * known_->pdf_w(light.wi) + (1.f - a) * by_lobes : by_lobes);
-}
-
-LobeValues GuidedDirections::direct_light(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
-                                          const VertexNumbers& u) {
-    const auto weight = [&](const LightSample& light, auto by_lobes) { return weight_of(light, by_lobes()); };
-    return sampled_for_surface(walk.rays, hit, wo_local, u, walk.at.medium, walk.flights, weight, Lobes::all);
-}
-
-Color GuidedDirections::direct_light(PathWalk& walk, const Vec3& p, const VertexNumbers& u) {
-    const auto weight = [&](const LightSample& light, auto by_lobes) { return weight_of(light, by_lobes()); };
-    return sampled_for_medium(walk.rays, p, walk.wo(), u, *walk.at.medium, walk.flights, weight);
-}
 
 /// A direction that the field has chosen, with its density by the field alone; the weight is f |cos|. Where diffuse and
 /// glossy lobes reflect in this direction, u_lobe.y() decides which of them the path belongs to, as in Bsdf::sample_local().
@@ -48,104 +28,120 @@ std::optional<ScatteredRay> GuidedDirections::scatter(PathWalk& walk, const Surf
                                                       const VertexNumbers& u, bool sees_lights) {
     const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
     const bool has_choice = !hit.delta_only && (lobes.diffuse || lobes.glossy);
-    const float a = has_choice ? known_->selection() : 0.f;
+    has_left_ = false;
+    expected_ = 0.f;
+    if (has_choice) stand(walk);
+    const float a =
+        lobes.diffuse && has_choice ? selection(walk) : 0.f;  // glossy lobes are narrower than the field knows
     Vec2 u_lobe = u.bsdf_lobe();
-    const bool by_field = u_lobe.x() < a;
-    u_lobe.x() = std::min(by_field ? u_lobe.x() / a : (u_lobe.x() - a) / (1.f - a), 1.f - unit_roundoff);
-    auto next = by_field ? scatter_by_field(hit, wo_local, u_lobe, u.bsdf_direction())
-                         : sample_scattering(hit, wo_local, u_lobe, u.bsdf_direction(), Transport::radiance);
+    const bool from_field = u_lobe.x() < a;
+    u_lobe.x() = std::min(from_field ? u_lobe.x() / a : (u_lobe.x() - a) / (1.f - a), 1.f - unit_roundoff);
+    auto next = from_field ? scatter_by_field(hit, wo_local, u_lobe, u.bsdf_direction())
+                           : sample_scattering(hit, wo_local, u_lobe, u.bsdf_direction(), Transport::radiance);
     if (!next) return next;
 
-    FollowedDirection followed;
-    followed.p = here_;
-    followed.wi = next->wi;
-    followed.by_lobes = next->pdf_w;
-    followed.delta = next->delta;
-    float unguided = 1.f;  // f |cos| over the density of the lobes, which roulette takes for the albedo
+    float pdf_w = next->pdf_w;
     if (next->delta) {
-        unguided = next->weight.maxCoeff();
+        unguided_ = std::min(next->weight.maxCoeff(), 1.f);
         next->weight /= 1.f - a;
-        if (a > 0.f) followed.by_field = 0.f;
     } else {
-        if (by_field) {
-            followed.by_field = next->pdf_w;
-            followed.by_lobes = hit.bsdf->pdf_w_local(wo_local, hit.shading.to_local(next->wi));
-        } else {
-            next->weight *= next->pdf_w;
-            if (a > 0.f) followed.by_field = known_->pdf_w(next->wi);
-        }
-        unguided = std::min(next->weight.maxCoeff() / followed.by_lobes, 1.f);
-        next->pdf_w = a > 0.f ? a * followed.by_field + (1.f - a) * followed.by_lobes : followed.by_lobes;
-        next->weight /= next->pdf_w;
+        const float by_field = !(a > 0.f) ? 0.f : from_field ? next->pdf_w : known_->pdf_w(next->wi);
+        if (from_field) next->pdf_w = hit.bsdf->pdf_w_local(wo_local, hit.shading.to_local(next->wi));
+        else next->weight *= next->pdf_w;
+        unguided_ = std::min(next->weight.maxCoeff() / next->pdf_w, 1.f);
+        pdf_w = a * by_field + (1.f - a) * next->pdf_w;
+        next->weight /= pdf_w;
     }
     if (is_black(next->weight)) return std::nullopt;
-    followed.pdf_w = next->pdf_w;
-    const Color before = walk.at.beta;
+    // Emission is weighed against light sampling by the density of the lobes alone: any weights that add up to 1 are right, and
+    // light sampling need not look the field up.
     walk.take(*next, sees_lights);
-    if (has_choice) follow(walk, before, followed, unguided / next->weight.maxCoeff());
+    if (has_choice && !next->delta) leave(walk, next->wi, pdf_w);
     return next;
 }
 
 std::optional<Vec3> GuidedDirections::scatter_in_medium(PathWalk& walk, const VertexNumbers& u, bool sees_lights) {
     const PhaseFunction& phase = walk.at.medium->phase();
-    const float a = known_->selection();
-    const bool by_field = u.bsdf_lobe().x() < a;
-    FollowedDirection followed;
-    followed.p = here_;
-    if (by_field) {
-        const auto chosen = known_->sample(u.bsdf_direction());
-        followed.wi = chosen.wi;
-        followed.by_field = chosen.pdf_w;
+    stand(walk);
+    const float a = 0.5f * selection(walk);  // a path through mist has many bounces
+    const bool from_field = u.bsdf_lobe().x() < a;
+    RadianceField::Distribution::Sample chosen{};
+    if (from_field) {
+        chosen = known_->sample(u.bsdf_direction());
     } else {
-        followed.wi = phase.sample(walk.wo(), u.bsdf_direction());
-        if (a > 0.f) followed.by_field = known_->pdf_w(followed.wi);
+        chosen.wi = phase.sample(walk.wo(), u.bsdf_direction());
+        chosen.pdf_w = a > 0.f ? known_->pdf_w(chosen.wi) : 0.f;
     }
-    followed.by_lobes = phase.value(walk.wo(), followed.wi);
-    followed.pdf_w = a > 0.f ? a * followed.by_field + (1.f - a) * followed.by_lobes : followed.by_lobes;
-    const Color before = walk.at.beta;
-    const float weight = followed.by_lobes / followed.pdf_w;
-    walk.at.beta *= weight;
-    walk.at.pdf_w = sees_lights ? followed.pdf_w : infinity;
-    follow(walk, before, followed, 1.f / weight);
-    return followed.wi;
+    const float by_lobes = phase.value(walk.wo(), chosen.wi), pdf_w = a * chosen.pdf_w + (1.f - a) * by_lobes;
+    unguided_ = 1.f;
+    walk.at.beta *= by_lobes / pdf_w;
+    walk.at.pdf_w = sees_lights ? by_lobes : infinity;
+    leave(walk, chosen.wi, pdf_w);
+    return chosen.wi;
 }
 
-/// `unguided` is the weight that the step would have had by the lobes alone, over its weight.
-void GuidedDirections::follow(const PathWalk& walk, const Color& before, const FollowedDirection& followed,
-                              float unguided) {
-    steered_ /= double{unguided};
-    vertices_.push_back({followed, before, walk.at.beta, found_});
+/// The probability to follow the field. A direction of the bsdf that the field leaves out weighs 1 / (1 - a). Such weights must
+/// not multiply over the bounces of a long path, so a path that weighs much follows the bsdf alone.
+float GuidedDirections::selection(const PathWalk& walk) const {
+    constexpr float heavy = 2.f;
+    return walk.at.beta.maxCoeff() > heavy ? 0.f : known_->selection();
+}
+
+/// The path is about to choose a direction.
+void GuidedDirections::stand(const PathWalk& walk) {
+    const Color& beta = walk.at.beta;
+    vertices_.push_back({place_, known_->reflected(), beta, beta, found_on_arrival_, found_});
+    expected_ = luminance(beta) * known_->indirect();
+    if (at_first_ == 0.f) at_first_ = expected_;
+}
+
+void GuidedDirections::leave(const PathWalk& walk, const Vec3& wi, float pdf_w) {
+    has_left_ = true;
+    vertices_.back().wi = wi;
+    vertices_.back().pdf_w = pdf_w;
+    vertices_.back().after = walk.at.beta;
 }
 
 /// Roulette by the throughput would end the paths that the field sends where light is: their throughput is low because the
-/// field chose them often. So paths survive as if the bsdf alone had chosen their directions.
+/// field chose them often. So paths survive in proportion to the light that is left to find (Vorba and Krivanek 2016,
+/// "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation"), or, where the field does not know it, as if
+/// the bsdf alone had chosen their directions.
 bool GuidedDirections::survives(PathWalk& walk, float most, float u, Color& lost) {
+    constexpr float least = 0.1f;  // what the field expects may be wrong
     Color& beta = walk.at.beta;
     if (!beta.isFinite().all()) {
         lost += beta;
         return false;
     }
-    const double unguided = double{beta.maxCoeff()} / steered_;
-    const auto q = static_cast<float>(std::min(unguided * double{walk.at.eta_scale}, double{most}));
-    return gib::survives(beta, q, u);
+    const float expected = expected_ > 0.f ? std::max(expected_ / at_first_, least) : unguided_;
+    const bool goes_on = gib::survives(beta, std::min(expected * walk.at.eta_scale, most), u);
+    if (has_left_ && goes_on) vertices_.back().after = beta;
+    else if (has_left_) vertices_.back().pdf_w.reset();
+    return goes_on;
 }
 
-void GuidedDirections::tell(RadianceField& field, const Sampler& sampler) {
+/// The light behind a vertex is what the path has found before it came to the next one, and what that place reflects: as the
+/// field knows it, which varies far less than what this path has found there (Dahm and Keller 2017, "Learning Light Transport
+/// the Reinforced Way", equation 4), or as the path has found it while the field does not know it.
+void GuidedDirections::tell(RadianceField& field, const Sampler& sampler) const {
     constexpr std::uint64_t tag = 0x6775696465;  // of the numbers that blur the field
     const Sampler numbers = sampler.split(0, 1, tag);
-    const auto ratio = [](const Colord& light, const Color& throughput) -> float {
+    const auto ratio = [](const Colord& light, const Color& throughput) -> double {
         const Color all = (light / throughput.cast<double>()).cast<float>();
-        return luminance((throughput > 0.f).select(all, Color::Zero()));
+        const double value = luminance((throughput > 0.f).select(all, Color::Zero()));
+        return std::isfinite(value) ? std::max(value, 0.) : 0.;
     };
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-        Vertex& vertex = vertices_[i];
-        const Colord light = found_ - vertex.found;
-        vertex.followed.radiance = ratio(light, vertex.after);
-        vertex.followed.reflected = ratio(light, vertex.before);
-        if (std::isfinite(vertex.followed.radiance) && std::isfinite(vertex.followed.reflected))
-            field.record(vertex.followed, numbers.at_vertex(static_cast<int>(i)));
+        const Vertex& v = vertices_[i];
+        field.visit(v.place, ratio(found_ - v.found_on_arrival, v.before), ratio(found_ - v.found, v.before));
+        if (!v.pdf_w) continue;
+        const Vertex* next = i + 1 < vertices_.size() ? &vertices_[i + 1] : nullptr;
+        const double radiance = next && next->reflected > 0.f
+                                    ? ratio(next->found_on_arrival - v.found, v.after) +
+                                          ratio(next->before.cast<double>(), v.after) * double{next->reflected}
+                                    : ratio(found_ - v.found, v.after);
+        field.record(v.place, v.wi, radiance, double{*v.pdf_w}, numbers.at_vertex(static_cast<int>(i)));
     }
-    forget();
 }
 
 }  // namespace gib

@@ -23,6 +23,12 @@ namespace gib {
 
 namespace {
 
+// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes, have visited it
+// (Mueller 2017, section 3.3, has 12,000 and larger images).
+constexpr double crowd = 400;
+// Paths from which an iteration learns, at most about.
+constexpr double enough_paths = 0x1p19;
+
 constexpr std::string_view step_learning = "learning";
 
 struct Settings {
@@ -60,14 +66,15 @@ public:
         if (!runs_) return Progress::converged;
         if (learns_ && pass > 0 && std::has_single_bit(passes_)) {
             const auto timer = stages_.time(step_learning);
-            field_.learn(std::exp2(iteration - 1.));
+            field_.learn(crowd * std::exp2(0.5 * (iteration - 1)));
         }
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [this, weight] {
-            return [this, weight, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
-                                                                         const Sampler& sampler) mutable {
+        const bool tells = learns_ && passes_ % passes_per_lesson(iteration) == 0;
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [this, weight, tells] {
+            return [this, weight, tells, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
+                                                                                const Sampler& sampler) mutable {
+                directions.start();
                 PixelSample sample = trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_);
-                if (learns_) directions.tell(field_, sampler);
-                else directions.forget();
+                if (tells) directions.tell(field_, sampler);
                 for (Color& part : sample.parts)
                     part *= static_cast<float>(weight);
                 return sample;
@@ -84,6 +91,11 @@ public:
     }
 
 private:
+    /// The field learns from one of so many passes of an iteration: more paths than these tell it little, and take time.
+    std::uint32_t passes_per_lesson(std::uint32_t iteration) const {
+        const double paths = std::exp2(iteration) * scene_.sensor().width() * scene_.sensor().height();
+        return static_cast<std::uint32_t>(std::max(paths / enough_paths, 1.));
+    }
     /// The weight of a pass, a power of two near 2^(k / 2). Later passes have learned more. Weights by the variances that the
     /// passes show, as of Mueller 2019, depend on the samples that they weigh, and bias the image.
     static std::uint32_t weight_of(std::uint32_t iteration) { return 1u << std::min(iteration / 2, 10u); }

@@ -1,43 +1,66 @@
 #include "methods/parts/transport/direct_light.h"
 
-#include "methods/parts/transport/light_sample.h"
 #include "methods/parts/transport/scattered_ray.h"
 
 namespace gib {
 
 namespace {
 
-/// The weight of a light sample for the caller's techniques; `by_lobes()` is the density of its lobes or phase function.
-struct WeightOf {
-    LightTechniques techniques;
-
-    template <typename Density>
-    [[gnu::always_inline]] inline float operator()(const LightSample& light, Density by_lobes) const {
-        const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
-        return combine ? power_heuristic(light.pdf_w, by_lobes()) : 1.f;
-    }
-};
+/// The light of one sample that the hit scatters. `visibility(light)` returns the share of its radiance that arrives.
+/// Inlined, since scenes without media would pay for a call at every vertex.
+template <typename Visibility>
+[[gnu::always_inline]] inline LobeValues scattered_from(const LightSample& light, const SurfaceHit& hit,
+                                                        const Vec3& wo_local, LightTechniques techniques, Lobes which,
+                                                        Visibility&& visibility) {
+    if (hit.delta_only || !hit.normals_agree_about(light.wi)) return {};
+    const Vec3 wi_local = hit.shading.to_local(light.wi);
+    const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
+    if (is_black(f.of(which) * light.Le)) return {};
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light.delta;
+    const float weight = combine ? power_heuristic(light.pdf_w, hit.bsdf->pdf_w_local(wo_local, wi_local, which)) : 1.f;
+    // The processor divides while the shadow ray is traced.
+    const float per_radiance = std::abs(wi_local.z()) * weight / light.pdf_w;
+    const Color visible = visibility(light);
+    if (is_black(visible)) return {};
+    const Color incident = light.Le * (visible * per_radiance);
+    return {includes(which, LobeKind::diffuse) ? Color(f.diffuse * incident) : Color(Color::Zero()),
+            includes(which, LobeKind::specular) ? Color(f.specular * incident) : Color(Color::Zero())};
+}
 
 }  // namespace
 
 LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
-    return sampled_for_surface(rays, hit, wo_local, u, surroundings.medium, surroundings.flights, WeightOf{techniques},
-                               which);
+    const Scene& scene = rays.scene();
+    const auto light =
+        scene.sample_light(hit.lit_for(hit.shading.to_world(wo_local)), u.light_choice(), u.light_position());
+    if (!light) return {};
+    if (!scene.has_media())
+        return scattered_from(*light, hit, wo_local, techniques, which,
+                              [&](const LightSample& to) { return rays.visibility(hit, to); });
+    return scattered_from(*light, hit, wo_local, techniques, which, [&](const LightSample& to) {
+        const Medium* medium = scene.medium_beyond(hit, to.wi, surroundings.medium);
+        return rays.transmittance(offset_origin(hit, to.wi), medium, to, surroundings.flights);
+    });
 }
 
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
                           const Surroundings& surroundings, LightTechniques techniques) {
-    return sampled_for_medium(rays, p, wo, u, *surroundings.medium, surroundings.flights, WeightOf{techniques});
+    const auto light = rays.scene().sample_light(p, u.light_choice(), u.light_position());
+    if (!light || is_black(light->Le)) return Color::Zero();
+    const Color visibility = rays.transmittance(p, surroundings.medium, *light, surroundings.flights);
+    const float phase = surroundings.medium->phase().value(wo, light->wi);
+    const bool combine = techniques == LightTechniques::light_and_bsdf_sampling && !light->delta;
+    const float weight = combine ? power_heuristic(light->pdf_w, phase) : 1.f;
+    return light->Le * visibility * (phase * weight / light->pdf_w);
 }
 
 LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
                            ShadowRay shadow_ray, Lobes which) {
-    return scattered_from(
-        light, hit, wo_local, which, [](auto) { return 1.f; },
-        [&](const LightSample& to) {
-            return shadow_ray == ShadowRay::skipped ? Color(Color::Ones()) : rays.visibility(hit, to);
-        });
+    return scattered_from(light, hit, wo_local, LightTechniques::light_sampling_only, which,
+                          [&](const LightSample& to) {
+                              return shadow_ray == ShadowRay::skipped ? Color(Color::Ones()) : rays.visibility(hit, to);
+                          });
 }
 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,

@@ -8,17 +8,8 @@ namespace gib {
 
 /// Directions by the bsdf or phase function alone. Other classes of directions have the same members.
 struct BsdfDirections {
-    static constexpr auto both = LightTechniques::light_and_bsdf_sampling;
-
     /// The path has come to a place that scatters.
-    void arrive(const Vec3& /*p*/) {}
-    /// One sample of the radiance that this place scatters towards wo straight from a light, times its weight.
-    LobeValues direct_light(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u) {
-        return sample_direct_light(walk.rays, hit, wo_local, u, walk.surroundings(), both);
-    }
-    Color direct_light(PathWalk& walk, const Vec3& p, const VertexNumbers& u) {
-        return sample_direct_light(walk.rays, p, walk.wo(), u, walk.surroundings(), both);
-    }
+    void arrive(const Vec3& /*p*/, const Vec3& /*normal*/) {}
     /// PathWalk::scatter() for an eye path, by all lobes.
     std::optional<ScatteredRay> scatter(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
                                         const VertexNumbers& u, bool sees_lights) {
@@ -41,6 +32,7 @@ inline constexpr int first_roulette_vertex = 3;
 template <typename Directions>
 PixelSample trace_path_in(Directions& directions, RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
                           int max_edges, bool light_sampling) {
+    constexpr auto both = LightTechniques::light_and_bsdf_sampling;
     PixelSample sample;
     PathWalk walk(rays, sampler, eye, rays.scene().camera_medium());
     PathState& path = walk.at;
@@ -60,9 +52,11 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
         if (const auto& p = flight.scattering_at) {
             if (is_last) break;
             path.path_class.in_medium = true;
-            directions.arrive(*p);
+            directions.arrive(*p, Vec3::Zero());
             const VertexNumbers u = sampler.at_vertex(path.vertex);
-            if (light_sampling) add(path.path_class, path.beta * directions.direct_light(walk, *p, u));
+            if (light_sampling)
+                add(path.path_class,
+                    path.beta * sample_direct_light(walk.rays, *p, walk.wo(), u, walk.surroundings(), both));
             const auto wi = directions.scatter_in_medium(walk, u, light_sampling);
             if (!wi || !survives(most_survival(path.vertex), u)) break;
             walk.go_on(*p, *wi);
@@ -75,13 +69,13 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
         if (is_last) break;
 
         walk.disperse(*hit, dimension::stratum);
-        directions.arrive(hit->p);
+        directions.arrive(hit->p, normal_towards(*hit, walk.wo()));
         const VertexNumbers u = sampler.at_vertex(path.vertex);
         const Vec3 wo_local = hit->shading.to_local(walk.wo());
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = light_sampling && (lobes.diffuse || lobes.glossy);
         if (sees_lights) {
-            const LobeValues direct = directions.direct_light(walk, *hit, wo_local, u);
+            const LobeValues direct = sample_direct_light(walk.rays, *hit, wo_local, u, walk.surroundings(), both);
             if (lobes.diffuse) add(path.path_class.after(LobeKind::diffuse), path.beta * direct.diffuse);
             if (lobes.glossy) add(path.path_class.after(LobeKind::specular), path.beta * direct.specular);
         }
