@@ -91,7 +91,7 @@ Moments radiance_at(const LoadedScene& scene, Component component, const std::st
 }
 
 /// Expects the mean within 5 standard errors: by Student's t of 15 degrees of freedom, chance exceeds that once in
-/// 6000 times, and there are 15 such comparisons. The error must be small enough to show a mistake of 2 %.
+/// 6000 times, and there are 16 such comparisons. The error must be small enough to show a mistake of 2 %.
 void expect_radiance(const Moments& found, double expected) {
     EXPECT_NEAR(found.mean(), expected, 5 * found.standard_error() + 2e-4 * expected);
     EXPECT_LT(found.standard_error(), 0.004 * expected);
@@ -203,6 +203,16 @@ TEST(SceneLibrary, ScenesOfIndirectLightShowNoOther) {
         }
         EXPECT_GT(mean_of(*image[Component::indirect]).minCoeff(), 0.0) << name;
     }
+}
+
+// The lamp is a disc of radius r at height h under the ceiling, and the point right above it sees all of it: its irradiance is
+// pi Le r^2 / (r^2 + h^2).
+TEST(SceneLibrary, TheShadeHidesNothingOfTheLampFromTheSpotAboveIt) {
+    const Vec3d p(1.1, 2.6, 0.9);
+    const LoadedScene scene = scene_seen_at("lamp-in-shade", p + Vec3d(-0.3, -0.4, -0.3), p);
+    const double h = 2.6 - 1.2, r = 0.12;
+    expect_radiance(radiance_at(scene, Component::direct, "path max_depth=2", 256),
+                    0.69 * 19700 * r * r / (r * r + h * h));
 }
 
 TEST(SceneLibrary, LosslessObjectsInTheFurnaceAreInvisible) {

@@ -1,0 +1,161 @@
+// Path guiding: path tracing that learns where light comes from, and sends its paths there. Sources: Mueller, Gross and Novak
+// 2017, "Practical Path Guiding for Efficient Light-Transport Simulation"; Mueller 2019, "Practical Path Guiding in Production".
+//
+// Computes: every component, by the paths of `path`. At surfaces and in media a field of incident radiance, which earlier passes
+// have learned, proposes directions beside the bsdf or phase function.
+// Parameters: memory of the field [MiB]; sampler, spp and max_depth as for all methods.
+// Bias: none, for paths that `path` can sample: the samples of a pass are drawn by what earlier passes have learned, and the
+// weights of passes are constants.
+// A pass: one sample of every pixel. Iteration k has 2^k passes; the field changes between iterations only.
+// Noise: that of `path` in the first passes; where light comes from few directions it becomes far less.
+// Fails: never; non-finite samples are counted and dropped. Light that no path has found yet, such as that of a tiny gap, is as
+// noisy as that of `path`.
+#include "common/scene/scene.h"
+#include "methods/guided_path/guided_directions.h"
+#include "methods/parts/transport/delta_paths.h"
+#include "methods/parts/transport/pixel_samples.h"
+#include "methods/parts/transport/point_set_parameter.h"
+
+#include <bit>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes, have visited it
+// (Mueller 2017, section 3.3, has 12,000 and larger images).
+constexpr double crowd = 400;
+// Paths from which an iteration learns, at most about.
+constexpr double enough_paths = 0x1p19;
+
+constexpr std::string_view step_learning = "learning";
+
+struct Settings {
+    PointSet points;
+    double memory;  ///< [MiB]
+    int max_edges;
+};
+
+/// A power of two near the radiance [W/(sr m^2)] of a diffuse ball around the scene that gives off the light of its lights.
+double typical_radiance(const Scene& scene) {
+    const double power = scene.emitted_power().maxCoeff();
+    const double radiance = power / (4 * std::numbers::pi * BoundingSphere(scene.bounds()).area());
+    return std::isfinite(radiance) && radiance > 0 ? std::exp2(std::round(std::log2(radiance))) : 1;
+}
+
+class GuidedPathRun final : public Run {
+public:
+    GuidedPathRun(const Scene& scene, const Settings& settings, const Plan& plan, const ShownComponents& shown,
+                  std::uint64_t seed, StageTimes& stages)
+        : scene_(scene),
+          points_(settings.points),
+          max_edges_(settings.max_edges),
+          light_sampling_(plan.runs(step_light_sampling)),
+          seed_(seed),
+          stages_(stages),
+          runs_(plan.runs(step_eye_paths)),
+          learns_(plan.runs(step_learning)),
+          film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
+          field_(scene.bounds(), typical_radiance(scene), settings.memory * 0x1p20) {}
+
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        const std::uint32_t iteration = std::bit_width(passes_) - 1, weight = weight_of(iteration);
+        weights_ += weight;
+        if (!runs_) return Progress::converged;
+        if (learns_ && pass > 0 && std::has_single_bit(passes_)) {
+            const auto timer = stages_.time(step_learning);
+            field_.learn(crowd * std::exp2(0.5 * (iteration - 1)));
+        }
+        const bool tells = learns_ && passes_ % passes_per_lesson(iteration) == 0;
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [this, weight, tells] {
+            return [this, weight, tells, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
+                                                                                const Sampler& sampler) mutable {
+                directions.start();
+                PixelSample sample = trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_);
+                if (tells) directions.tell(field_, sampler);
+                for (Color& part : sample.parts)
+                    part *= static_cast<float>(weight);
+                return sample;
+            };
+        });
+        return Progress::more;
+    }
+
+    ComponentImages image() const override { return film_.mean(weights_); }
+    RunCounts counts() const override { return {0, rays_, film_.non_finite()}; }
+    std::vector<std::pair<std::string, std::string>> facts() const override {
+        return {{"cells", std::to_string(field_.leaf_count())},
+                {"quadtree_nodes", std::to_string(field_.node_count())}};
+    }
+
+private:
+    /// The field learns from one of so many passes of an iteration: more paths than these tell it little, and take time.
+    std::uint32_t passes_per_lesson(std::uint32_t iteration) const {
+        const double paths = std::exp2(iteration) * scene_.sensor().width() * scene_.sensor().height();
+        return static_cast<std::uint32_t>(std::max(paths / enough_paths, 1.));
+    }
+    /// The weight of a pass, a power of two near 2^(k / 2). Later passes have learned more. Weights by the variances that the
+    /// passes show, as of Mueller 2019, depend on the samples that they weigh, and bias the image.
+    static std::uint32_t weight_of(std::uint32_t iteration) { return 1u << std::min(iteration / 2, 10u); }
+
+    const Scene& scene_;
+    PointSet points_;
+    int max_edges_;
+    bool light_sampling_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    bool runs_, learns_;
+    Film film_;
+    RadianceField field_;
+    std::uint64_t rays_ = 0;
+    std::uint32_t passes_ = 0, weights_ = 0;  ///< the second: of all passes
+};
+
+class GuidedPath final : public Method {
+public:
+    explicit GuidedPath(const Settings& settings) : settings_(settings) {}
+
+    Plan plan(const Scene& scene) const override {
+        Plan plan = described_plan(scene, find_method("guided_path"));
+        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        add_eye_paths(plan, scene, settings_.max_edges);
+        add_light_sampling(plan, settings_.max_edges);
+        plan.add(step_learning, plan.runs(step_eye_paths) && settings_.max_edges >= 2,
+                 plan.runs(step_eye_paths)
+                     ? "directions are chosen by paths of two edges, which max_depth does not allow"
+                     : "no eye paths are followed");
+        return plan;
+    }
+
+    std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
+        const Plan planned = plan(scene);
+        return std::make_unique<GuidedPathRun>(scene, settings_, planned,
+                                               shown_components(scene, planned.called_for, find_method("guided_path")),
+                                               seed, stages);
+    }
+
+private:
+    Settings settings_;
+};
+
+}  // namespace
+
+MethodDescription describe_guided_path() {
+    return {
+        .name = "guided_path",
+        .sentence = "path tracing that learns where light comes from: unbiased, finds light behind doors and in glass",
+        .parameters = {number_parameter("memory", "64", "MiB", 1, 65536, "memory of the radiance field, at most"),
+                       point_set_parameter()},
+        .simulates = Effects::all(),
+        .components = {all_components.begin(), all_components.end()},
+        .unbiased = true,
+        .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
+            return std::make_unique<GuidedPath>(
+                Settings{point_set_of(values), values.number("memory"), max_edges_of(values, defaults)});
+        },
+    };
+}
+
+}  // namespace gib
