@@ -37,10 +37,11 @@ std::string cut_list(const std::string& text, std::size_t width) {
 
 Line line_of(const std::string& scene, const VerdictRow& v) {
     const std::string of = v.parts.empty() || v.kind.empty() ? v.parts + v.kind : v.parts + "; " + v.kind;
+    const bool is_foretold = v.seconds.state == State::extrapolated;
     return {.scene = scene,
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
-            .seconds = text_of(v.seconds).value,
+            .seconds = text_of(v.seconds).value + (is_foretold ? " extrap." : ""),
             .factor = text_of(v.factor).value,
             .consists_of = v.method.empty() ? v.remark : of};
 }
@@ -70,7 +71,7 @@ std::string terminal_verdict(const Analysis& whole) {
     std::vector<Line> lines = all.size() <= room ? all : best;
     const std::size_t more = lines.size() > room ? lines.size() - (room - 1) : 0;
     lines.resize(lines.size() - more);
-    lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times", "its squared error"});
+    lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times", "its error is"});
     // One scene needs no column.
     const bool has_scenes = std::any_of(all.begin(), all.end(), [&](const Line& l) { return l.scene != all[0].scene; });
     const std::size_t scene = has_scenes ? width_of(lines, &Line::scene, 16) + 1 : 0,

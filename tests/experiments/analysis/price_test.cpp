@@ -6,6 +6,7 @@
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 #include "experiments/report/report.h"
+#include "experiments/report/terminal.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 
@@ -138,6 +139,7 @@ TEST(Verdicts, NameTheCheapestAndWhatKeepsTheOthers) {
     EXPECT_EQ(rows[2].method, "exact") << "the closest";
     EXPECT_FALSE(rows[2].is_best);
     EXPECT_EQ(rows[2].seconds.state, State::extrapolated) << "160 s were not measured";
+    EXPECT_THAT(terminal_verdict(analysis), HasSubstr(text_of(rows[2].seconds).value + " extrap."));
     EXPECT_EQ(rows[3].seconds.state, State::never);
     const TableRow quick = row(analysis, "quick");
     EXPECT_EQ(line_of(time_field(quick, 3)), "never (floor 3.00 %)");
