@@ -2,6 +2,8 @@
 
 #include "common/core/reject.h"
 #include "experiments/plan/external_method_reader.h"
+#include "experiments/plan/filter_commands.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/plan/method_sweep.h"
 
 #include <set>
@@ -21,11 +23,30 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     return name;
 }
 
+/// The names of the values of the key `filter`.
+std::vector<std::string> filter_names(const TomlReader& reader, const TomlReader::Entry& entry,
+                                      FilterCommands& filters) {
+    const auto* list = entry.value->as_array();
+    if (!list) return {filters.name_of(reader, *entry.value)};
+    std::vector<std::string> names;
+    for (const auto& value : reader.filled_array(*list, entry.key, "values"))
+        names.push_back(filters.name_of(reader, value));
+    return names;
+}
+
+/// Throws InputError if the label's filter takes two halves of the passes and there are none.
+void require_halves(const MethodLabel& label, const FilterCommands& filters, const SourceLocation& where) {
+    const auto command = filters.all().find(filter_of(label));
+    if (command == filters.all().end()) require_own_filter(label, where);
+    else if (command->second.takes("variance")) require_passes(label, 2, where);
+}
+
 }  // namespace
 
 ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node) {
     ExperimentMethods methods;
     std::set<std::string> texts, names;
+    FilterCommands filters;
     for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
         const auto& table = reader.table(item, "method");
         const SourceLocation where = reader.at(item);
@@ -47,10 +68,14 @@ ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node)
         const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
         MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
         for (const auto& entry : reader.entries(table))
-            if (entry.key != "name" && entry.key != "label") sweep.add(entry);
-        for (const auto& label : sweep.labels(where))
+            if (entry.key == "filter") sweep.add(entry, filter_names(reader, entry, filters));
+            else if (entry.key != "name" && entry.key != "label") sweep.add(entry);
+        for (const auto& label : sweep.labels(where)) {
+            require_halves(label, filters, where);
             add(label);
+        }
     }
+    methods.filters = filters.all();
     return methods;
 }
 

@@ -44,6 +44,7 @@ void warn_of_what_is_not(const CollectedLight& light, const std::string& method,
 int show_photons(const PhotonsOptions& options, std::ostream& out) {
     const ConfiguredMethod method(MethodLabel::parse(options.method));
     require_stored_light(method.label);
+    method.values.refuse({"filter"}, "photons: no image is made");
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
     ProgressLine progress;
