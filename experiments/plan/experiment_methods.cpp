@@ -24,12 +24,13 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
 }
 
 /// The names of the values of the key `filter`.
-std::vector<std::string> filter_names(const TomlReader& reader, const TomlReader::Entry& entry,
-                                      FilterCommands& filters) {
-    const auto* list = entry.value->as_array();
-    if (!list) return {filters.name_of(reader, *entry.value)};
+std::vector<std::string> read_filters(const TomlReader& reader, const toml::table& table, FilterCommands& filters) {
+    const auto* node = table.get("filter");
+    if (!node) return {};
+    const auto* list = node->as_array();
+    if (!list) return {filters.name_of(reader, *node)};
     std::vector<std::string> names;
-    for (const auto& value : reader.filled_array(*list, entry.key, "values"))
+    for (const auto& value : reader.filled_array(*list, "filter", "values"))
         names.push_back(filters.name_of(reader, value));
     return names;
 }
@@ -63,12 +64,13 @@ ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node)
             }
             continue;
         }
+        const std::vector<std::string> filter_names = read_filters(reader, table, filters);
         const auto* name = table.get("name");
         if (!name) throw InputError(where, "a [[method]] needs a 'name'");
         const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
         MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
         for (const auto& entry : reader.entries(table))
-            if (entry.key == "filter") sweep.add(entry, filter_names(reader, entry, filters));
+            if (entry.key == "filter") sweep.add(entry, filter_names);
             else if (entry.key != "name" && entry.key != "label") sweep.add(entry);
         for (const auto& label : sweep.labels(where)) {
             require_halves(label, filters, where);
