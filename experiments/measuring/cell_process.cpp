@@ -22,12 +22,11 @@ namespace gib {
 using nlohmann::json;
 
 static auto json_fields(RecordOf<CellRequest> auto& r) {
-    return std::tuple(JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution},
-                      JsonField{"folders", r.folders}, JsonField{"scene_hash", r.scene_hash},
-                      JsonField{"method", r.method}, JsonField{"seed", r.seed}, JsonField{"seconds", r.budget.seconds},
-                      JsonField{"passes", r.budget.passes}, JsonField{"threads", r.threads},
-                      JsonField{"features", r.features}, JsonField{"variance", r.variance},
-                      JsonField{"work_folder", r.work_folder});
+    return std::tuple(
+        JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution}, JsonField{"folders", r.folders},
+        JsonField{"scene_hash", r.scene_hash}, JsonField{"method", r.method}, JsonField{"seed", r.seed},
+        JsonField{"seconds", r.budget.seconds}, JsonField{"passes", r.budget.passes}, JsonField{"threads", r.threads},
+        JsonField{"features", r.features}, JsonField{"variance", r.variance}, JsonField{"work_folder", r.work_folder});
 }
 
 static auto json_fields(RecordOf<CellTiming> auto& timing) {
