@@ -44,6 +44,12 @@ const std::vector<Parameter>& shared_parameters() {
         integer_parameter("max_depth", "", "edges", 0, 0x1p30,
                           "largest number of edges of a path, 0 = unlimited; default: the scene's max_depth, else "
                           "unlimited"),
+        {.name = "filter",
+         .kind = Parameter::Kind::text,
+         .default_value = "none",
+         .unit = "",
+         .sentence = "what takes noise out of the image, and makes it biased: none; nlm (non-local means with two half "
+                     "buffers, guided by albedo, normal and depth); in an experiment file also a command"},
     };
     return parameters;
 }

@@ -12,6 +12,7 @@
 #include "experiments/analysis/short_names.h"
 #include "experiments/measuring/contradiction.h"
 #include "experiments/measuring/reference_makers.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
@@ -219,7 +220,7 @@ bool has_made(const std::string& method, const Reference& reference) {
 std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
                                            const Components& left_out, const Reference& reference) {
     const std::string& method = replicates.cells.front()->method;
-    if (index.is_external(method)) return {};
+    if (index.is_external(method) || !filter_of(MethodLabel::parse(method)).empty()) return {};
     std::vector<Component> unbiased_for;
     const bool is_other = !has_made(MethodLabel::parse(method).name, reference);
     for (const Component c : all_components)

@@ -1,5 +1,6 @@
 #include "experiments/analysis/error_fields.h"
 
+#include "experiments/plan/filter_label.h"
 #include "methods/method.h"
 
 #include <algorithm>
@@ -53,6 +54,7 @@ bool is_unbiased(const TableRow& row, const Components& components_left_out) {
     if (method == methods.end() || !method->unbiased || !row.effects_missing.empty() || row.nonfinite > 0) return false;
     if (std::any_of(label.values.begin(), label.values.end(), [](const auto& v) { return v.first == "max_depth"; }))
         return false;
+    if (!filter_of(label).empty()) return false;
     return !components_left_out.touches(row.layer);
 }
 

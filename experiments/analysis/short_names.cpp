@@ -1,7 +1,7 @@
 #include "experiments/analysis/short_names.h"
 
 #include "common/core/number_text.h"
-#include "methods/parameters.h"
+#include "experiments/plan/filter_label.h"
 
 #include <fmt/format.h>
 
@@ -41,6 +41,7 @@ std::vector<Setting> differing(const Group& group, const std::string& label, con
     std::vector<Setting> settings = group.at(label);
     std::erase_if(settings, [&](const Setting& setting) {
         const auto spp = setting.first == "spp" ? number_from<double>(setting.second) : std::nullopt;
+        if (setting.first == "filter" && setting.second != no_filter) return false;
         return (spp && !is_spp_reached(analysis, label, *spp)) ||
                std::all_of(group.begin(), group.end(), [&](const auto& other) { return has(other.second, setting); });
     });

@@ -10,7 +10,7 @@
 namespace gib {
 
 /// A name for each label of a row. It begins with the `label` of the experiment file, else with the method's name, and has
-/// those settings that differ among the labels that begin alike, without an `spp` that no run has reached: "photon map,
+/// those settings that differ among the labels that begin alike, without an `spp` that no run has reached, and their filter: "photon map,
 /// photons=1e5", "photon_mapper photons=1e5". Labels whose names would be equal keep all of their settings.
 std::map<std::string, std::string> short_names(const Analysis& analysis);
 

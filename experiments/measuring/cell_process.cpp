@@ -4,7 +4,9 @@
 #include "common/core/parallel.h"
 #include "common/images/image_file.h"
 #include "common/reader/scene_file.h"
+#include "experiments/filter/checkpoint_filter.h"
 #include "experiments/measuring/measurement_json.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/system/child_process.h"
 #include "experiments/text/json_file.h"
 
@@ -20,11 +22,11 @@ namespace gib {
 using nlohmann::json;
 
 static auto json_fields(RecordOf<CellRequest> auto& r) {
-    return std::tuple(JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution},
-                      JsonField{"folders", r.folders}, JsonField{"scene_hash", r.scene_hash},
-                      JsonField{"method", r.method}, JsonField{"seed", r.seed}, JsonField{"seconds", r.budget.seconds},
-                      JsonField{"passes", r.budget.passes}, JsonField{"threads", r.threads},
-                      JsonField{"work_folder", r.work_folder});
+    return std::tuple(
+        JsonField{"scene", r.scene_path}, JsonField{"resolution", r.resolution}, JsonField{"folders", r.folders},
+        JsonField{"scene_hash", r.scene_hash}, JsonField{"method", r.method}, JsonField{"seed", r.seed},
+        JsonField{"seconds", r.budget.seconds}, JsonField{"passes", r.budget.passes}, JsonField{"threads", r.threads},
+        JsonField{"features", r.features}, JsonField{"variance", r.variance}, JsonField{"work_folder", r.work_folder});
 }
 
 static auto json_fields(RecordOf<CellTiming> auto& timing) {
@@ -47,15 +49,23 @@ void measure_request(const CellRequest& request) {
 
     const ConfiguredMethod configured(MethodLabel::parse(request.method));
     const auto method = configured.create({loaded.max_edges});
+    CheckpointFilter filter(*loaded.scene, request.seed,
+                            {.non_local_means = filter_of(configured.label) == non_local_means_filter,
+                             .features = request.features,
+                             .variance = request.variance});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
                         .seed = request.seed,
                         .spp = last_pass(configured.values, loaded.sample_count),
-                        .budget = request.budget};
+                        .budget = request.budget,
+                        .filter = filter.does_anything() ? &filter : nullptr};
 
     auto said = clock::now();
     const auto sink = [&](const Checkpoint& checkpoint, const ComponentImages& image) {
-        write_scratch_exr(checkpoint_image(request.work_folder, checkpoint.passes), layers_of(image));
+        LayeredImage file = layers_of(image);
+        for (auto& layer : filter.layers(checkpoint.passes))
+            file.layers.push_back(std::move(layer));
+        write_scratch_exr(checkpoint_image(request.work_folder, checkpoint.passes), file);
     };
     const auto observer = [&](std::uint32_t passes, double seconds) {
         if (clock::now() - said < std::chrono::milliseconds(200)) return;

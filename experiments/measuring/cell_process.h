@@ -26,6 +26,8 @@ struct CellRequest {
     std::uint64_t seed = 1;
     Budget budget;
     int threads = 0;  ///< 0: one per processor
+    /// Layers beside the image, for a filter that is a command (CheckpointFilter::layers()); unless the label's filter is gibench's own.
+    bool features = false, variance = false;
     std::string work_folder;
 };
 

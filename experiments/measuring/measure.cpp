@@ -1,5 +1,8 @@
 #include "experiments/measuring/measure.h"
 
+#include "common/core/error.h"
+#include "experiments/filter/checkpoint_filter.h"
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -18,13 +21,55 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-std::vector<StageTimes::Stage> with_other(std::vector<StageTimes::Stage> stages, double charged) {
+std::vector<StageTimes::Stage> with_other(std::vector<StageTimes::Stage> stages, double filtering, double charged) {
     double staged = 0;
     for (const auto& stage : stages)
         staged += stage.seconds;
+    if (filtering > 0) stages.push_back({"filter", filtering});
     stages.push_back({"other", std::max(0.0, charged - staged)});
     return stages;
 }
+
+/// Makes the checkpoints of a measurement.
+class Checkpoints {
+public:
+    Checkpoints(const CellWork& work, const CheckpointSink& sink, Measurement& result)
+        : work_(work), sink_(sink), result_(result) {}
+
+    /// The time of the last filtering [s], which only its own checkpoint is charged with.
+    double filtering() const { return filtering_; }
+
+    /// `charged` [s] is that of the passes so far; `is_last`: the image is one of the checkpoints in any case.
+    void take(const Run& run, std::uint32_t passes, double charged, bool is_last) {
+        // The peak is read before the image is taken and reset after the image is stored, because copies for the
+        // driver are not the method's memory. Those that a filter works on are.
+        peak_ = std::max(peak_, peak_rss_mib());
+        ComponentImages image = run.image();
+        if (work_.filter) work_.filter->keep(passes, image);
+        const bool is_filtered = work_.filter && passes >= work_.filter->least_passes();
+        if (is_last || (!work_.only_last && (is_filtered || !work_.filter))) {
+            if (is_filtered) image = filtered(passes, image);
+            result_.checkpoints.push_back(
+                {.passes = passes, .seconds = charged + filtering_, .counts = run.counts(), .peak_rss_mib = peak_});
+            sink_(result_.checkpoints.back(), image);
+        }
+        reset_peak_rss();
+    }
+
+private:
+    ComponentImages filtered(std::uint32_t passes, const ComponentImages& image) {
+        const Stopwatch watch;
+        ComponentImages result = work_.filter->filtered(passes, image);
+        filtering_ = watch.seconds();
+        peak_ = std::max(peak_, peak_rss_mib());
+        return result;
+    }
+
+    const CellWork& work_;
+    const CheckpointSink& sink_;
+    Measurement& result_;
+    double filtering_ = 0, peak_ = 0;
+};
 
 }  // namespace
 
@@ -38,6 +83,8 @@ bool is_checkpoint(std::uint32_t passes) {
 Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer,
                     const WorkObserver& work_observer) {
     const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
+    const std::uint32_t least = work.filter ? work.filter->least_passes() : 1;
+    if (last < least) throw RunError("the filter takes the passes apart, by which it tells noise: there are too few");
     Measurement result;
     StageTimes stages;
     const ProcessorTime before = processor_time();
@@ -53,11 +100,12 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
                            .fraction = fraction,
                            .seconds = start_watch.seconds() - prepared});
         });
+    if (work.filter) work.filter->prepare(stages);
     const auto run = work.method.start(work.scene, work.seed, stages);
     double charged = start_watch.seconds();
     result.prepare_seconds = charged;
     preparing = false;
-    double peak = 0;
+    Checkpoints checkpoints(work, sink, result);
 
     for (std::uint32_t pass = 0;; ++pass) {
         const Stopwatch watch;
@@ -67,15 +115,10 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
         passes = pass + 1;
         result.converged = progress == Progress::converged;
         const bool ends =
-            result.converged || passes >= last || (work.budget.seconds && charged >= *work.budget.seconds);
-        if (ends || (!work.only_last && is_checkpoint(passes))) {
-            // The peak is read before the image is taken and reset after the image is stored, because copies for the
-            // driver are not the method's memory.
-            peak = std::max(peak, peak_rss_mib());
-            result.checkpoints.push_back(
-                {.passes = passes, .seconds = charged, .counts = run->counts(), .peak_rss_mib = peak});
-            sink(result.checkpoints.back(), run->image());
-            reset_peak_rss();
+            result.converged || passes >= last ||
+            (passes >= least && work.budget.seconds && charged + checkpoints.filtering() >= *work.budget.seconds);
+        if (ends || (is_checkpoint(passes) && (work.filter || !work.only_last))) {
+            checkpoints.take(*run, passes, charged, ends);
         }
         if (observer) observer(passes, charged);
         if (ends) break;
@@ -84,7 +127,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
     result.processor_seconds = after.running - before.running;
     result.waiting_seconds = after.waiting - before.waiting;
     result.facts = run->facts();
-    result.stages = with_other(stages.stages(), charged);
+    result.stages = with_other(stages.stages(), checkpoints.filtering(), charged);
     return result;
 }
 

@@ -14,6 +14,8 @@
 
 namespace gib {
 
+class CheckpointFilter;
+
 /// A cell's state after some passes.
 struct Checkpoint {
     std::uint32_t passes = 0;  ///< done so far, which is the number of samples a pixel
@@ -29,6 +31,8 @@ struct CellWork {
     std::uint32_t spp;  ///< passes to make at most
     Budget budget;
     bool only_last = false;  ///< the image at the end is the only checkpoint
+    /// Filters the images; null: they stay as they are. A checkpoint is charged with its features and its own filtering alone.
+    CheckpointFilter* filter = nullptr;
 };
 
 struct Measurement {
@@ -63,7 +67,7 @@ using WorkObserver = std::function<void(const OngoingWork&)>;
 bool is_checkpoint(std::uint32_t passes);
 
 /// Runs passes until `spp`, the budget or convergence ends the cell. At least one pass completes, and the last pass
-/// is a checkpoint.
+/// is a checkpoint. A filter may need more passes, which then complete; throws RunError if spp or budget allow fewer.
 Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
                     const WorkObserver& work_observer = {});
 

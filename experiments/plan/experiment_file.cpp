@@ -179,9 +179,10 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
-    auto [labels, externals, given_names] = read_methods(reader, *methods);
+    auto [labels, externals, filters, given_names] = read_methods(reader, *methods);
     experiment.methods = std::move(labels);
     experiment.externals = std::move(externals);
+    experiment.filters = std::move(filters);
     experiment.given_names = std::move(given_names);
     for (const auto& [text_of_label, external] : experiment.externals)
         if (external.takes("seconds") && !experiment.budget.seconds)

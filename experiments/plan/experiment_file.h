@@ -4,6 +4,7 @@
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/plan/run_options.h"
 #include "methods/parameters.h"
 
@@ -56,12 +57,18 @@ struct Experiment {
     MethodLabel reference_method;
     std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
     std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
+    std::map<std::string, ExternalMethod> filters;    ///< commands that filter, by their names in labels
     std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 
     /// The command of a label; null for a method of gibench.
     const ExternalMethod* external(const MethodLabel& label) const {
         const auto found = externals.find(label.text());
         return found == externals.end() ? nullptr : &found->second;
+    }
+    /// The command that filters a label's images; null: none does.
+    const ExternalMethod* filter_command(const MethodLabel& label) const {
+        const auto found = filters.find(filter_of(label));
+        return found == filters.end() ? nullptr : &found->second;
     }
 };
 

@@ -114,7 +114,15 @@ const std::vector<DeclaredTable>& experiment_keys() {
          {{"name", "text; required",
            "a method that estimates radiance: `path`, `photon_mapper`, ... (`gibench list methods` says which there "
            "are)"},
-          key_of_a_label()},
+          key_of_a_label(),
+          {"filter", "`\"none\"` (default), `\"nlm\"`, a command, or a list of them",
+           "filters each image: its time is charged, and its bias stands in the tables. `nlm` is non-local means with "
+           "two half buffers, "
+           "guided by albedo, normal and depth. A command runs like that of another renderer; it reads `{image}` and "
+           "writes `{out}`, and may "
+           "take `{albedo}`, `{normal}`, `{depth}` and `{variance}` (EXR files) and `{threads}`; its image has no "
+           "components. In "
+           "labels it has the name of its program"}},
          "a value, or a list of values, of a parameter of the method (`gibench list methods --parameters`)"},
         keys_of_a_command(),
         keys_of_tune()};

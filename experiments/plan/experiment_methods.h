@@ -15,6 +15,7 @@ namespace gib {
 struct ExperimentMethods {
     std::vector<MethodLabel> labels;                  ///< in the order of the file
     std::map<std::string, ExternalMethod> externals;  ///< those with a command, by their labels
+    std::map<std::string, ExternalMethod> filters;    ///< commands that filter, by their names in labels
     std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 };
 

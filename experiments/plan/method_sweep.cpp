@@ -17,6 +17,10 @@ void MethodSweep::add(const TomlReader::Entry& entry) {
     } else {
         values.push_back(checked(entry, *entry.value));
     }
+    add(entry, values);
+}
+
+void MethodSweep::add(const TomlReader::Entry& entry, const std::vector<std::string>& values) {
     if (labels_.size() * values.size() > most_combinations)
         reject(entry.key_at, "the lists up to '{}' make more than {} combinations of values", entry.key,
                most_combinations);

@@ -26,6 +26,8 @@ public:
     /// Adds a parameter with its value or its list of values.
     /// Throws InputError at the place of the key or of the value.
     void add(const TomlReader::Entry& entry);
+    /// The same with these values for the entry's.
+    void add(const TomlReader::Entry& entry, const std::vector<std::string>& values);
     /// All labels, each after the method's own check, which sees its values together. Throws InputError at `where`.
     std::vector<MethodLabel> labels(const SourceLocation& where) const;
     /// All labels as they are, without that check.

@@ -14,6 +14,7 @@ std::vector<const MethodDescription*> reference_methods(const MethodLabel& label
         const ParameterValues values(all_parameters(*method), {method->name, label.values}, where);
         if (values.given("spp"))
             throw InputError(where, "a reference takes as many samples as its target needs: no 'spp'");
+        if (values.given("filter")) throw InputError(where, "a filter is biased and makes no reference: no 'filter'");
     }
     return methods;
 }

@@ -210,6 +210,9 @@ void add_render(CLI::App& app, Action& action) {
     add_threads(command, options->threads);
     add_loading(command, options->loading);
     command->add_option("-o,--out", options->out, "the image (EXR)")->required();
+    command->add_flag(
+        "--features", options->features,
+        "add layers for filters: albedo, normal and depth of the first surface, mirrors and glass included");
     command->footer("Methods and their parameters:\n" + parameter_help());
     perform_with(options, command, action, [](const auto& o) { return render(o, std::cout); });
 }

@@ -3,9 +3,11 @@
 #include "common/core/files.h"
 #include "common/core/parallel.h"
 #include "common/scene/scene.h"
+#include "experiments/filter/checkpoint_filter.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/plan/reference_methods.h"
 #include "experiments/program/overwriting.h"
 #include "experiments/program/shipped_files.h"
@@ -42,6 +44,8 @@ std::vector<std::string> plan_lines(const ConfiguredMethod& method, const Loaded
     for (const auto& step : plan.steps)
         lines.push_back(step.runs ? fmt::format("runs: {}", step.name)
                                   : fmt::format("skipped: {} ({})", step.name, step.reason));
+    if (const std::string filter = filter_of(method.label); !filter.empty())
+        lines.push_back(fmt::format("runs: features\nruns: filter {} (biased; its time is charged)", filter));
     for (Effect e : plan.missing.list())
         lines.push_back(fmt::format("missing: {}", name_of(e)));
     for (Component c : plan.unresolved)
@@ -124,21 +128,29 @@ void check_writable(const std::string& path, std::string_view extension) {
 
 int render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
+    require_own_filter(chosen.label);
     check_writable(options.out);
     require_no_reference(options.out);
     const LoadedScene loaded = loaded_with_warnings(options.scene, options.loading);
     const auto method = chosen.create({loaded.max_edges});
+    CheckpointFilter filter(*loaded.scene, options.seed,
+                            {.non_local_means = !filter_of(chosen.label).empty(), .features = options.features});
     const CellWork work{.scene = *loaded.scene,
                         .method = *method,
                         .seed = options.seed,
                         .spp = last_pass(chosen.values, loaded.sample_count),
                         .budget = {},
-                        .only_last = true};
+                        .only_last = true,
+                        .filter = filter.does_anything() ? &filter : nullptr};
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
     warn_of_left_out(*loaded.scene, method->plan(*loaded.scene), chosen.label, progress);
-    const auto keep = [&](const Checkpoint&, const ComponentImages& components) { image = layers_of(components); };
+    const auto keep = [&](const Checkpoint& checkpoint, const ComponentImages& components) {
+        image = layers_of(components);
+        for (auto& layer : filter.layers(checkpoint.passes))
+            image.layers.push_back(std::move(layer));
+    };
     const auto show = [&](const OngoingWork& ongoing) {
         const double share = ongoing.preparing ? ongoing.fraction : (ongoing.passes + ongoing.fraction) / work.spp;
         const std::optional<double> left = share > 0 ? std::optional(ongoing.seconds * (1 / share - 1)) : std::nullopt;
@@ -208,6 +220,7 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
         for (const auto& name : names_of_comparable_methods())
             chosen.emplace_back(MethodLabel{name, {}});
     else chosen.emplace_back(MethodLabel::parse(method));
+    require_own_filter(chosen.front().label);
     const LoadedScene loaded = load_scene(scene_file(scene), loading);
     for (const auto& warning : loaded.warnings)
         out << "warning: " << warning << "\n";

@@ -19,6 +19,7 @@ struct RenderOptions {
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;
+    bool features = false;  ///< adds the layers albedo, normal and depth
 };
 int render(const RenderOptions& options, std::ostream& out);
 

@@ -61,6 +61,7 @@ Reference reference_of(const LoadedScene& loaded, const std::string& path) {
 int show_photons(const PhotonsOptions& options, std::ostream& out) {
     const ConfiguredMethod method(MethodLabel::parse(options.method));
     require_stored_light(method.label);
+    method.values.refuse({"filter"}, "photons: no image is made");
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
     std::optional<Reference> reference;

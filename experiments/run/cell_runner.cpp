@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
+#include "experiments/external/command_filter.h"
 #include "experiments/external/external_cell.h"
 #include "experiments/results/flip_record.h"
 #include "experiments/results/frames.h"
@@ -44,7 +45,8 @@ private:
 /// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its name,
 /// because some programs cannot take a path with `=`.
 std::string work_folder_of(const WorkCell& cell, const ResultFolder& folder) {
-    return cell.external ? folder.file("command-" + cell.identity.key().substr(0, 12)) : folder.work_folder(cell.name);
+    return cell.has_command() ? folder.file("command-" + cell.identity.key().substr(0, 12))
+                              : folder.work_folder(cell.name);
 }
 
 }  // namespace
@@ -83,10 +85,10 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
         referred_ = cell.identity.reference;
     }
     const std::string folder = folder_.cell_folder(cell.name);
-    if (cell.external && judgement_->leaves_out_components())
+    if (cell.has_command() && judgement_->leaves_out_components())
         throw RunError(
-            "the reference does not resolve some components, and the image of another renderer has none, so that "
-            "the rest of it cannot be judged");
+            "the reference does not resolve some components, and the image of a command has none, so that the "
+            "rest of it cannot be judged");
     fs::remove(folder + "/cell.json");  // from here on the cell is not complete
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);
@@ -104,23 +106,33 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
-    if (!cell.external)
-        return run_cell_process(setup_.program,
-                                {.scene_path = scene.entry.path,
-                                 .resolution = setup_.experiment.resolution,
-                                 .folders = setup_.experiment.paths,
-                                 .scene_hash = identity.scene_hash,
-                                 .method = identity.method,
-                                 .seed = identity.seed,
-                                 .budget = identity.budget,
-                                 .threads = setup_.threads,
-                                 .work_folder = work_folder},
-                                observer);
+    const std::string folder = fs::path(fs::absolute(setup_.experiment.path)).parent_path().string();
+    if (!cell.external) {
+        const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
+        CellTiming timing = run_cell_process(setup_.program,
+                                             {.scene_path = scene.entry.path,
+                                              .resolution = setup_.experiment.resolution,
+                                              .folders = setup_.experiment.paths,
+                                              .scene_hash = identity.scene_hash,
+                                              .method = identity.method,
+                                              .seed = identity.seed,
+                                              .budget = identity.budget,
+                                              .threads = setup_.threads,
+                                              .features = reads("albedo") || reads("normal") || reads("depth"),
+                                              .variance = reads("variance"),
+                                              .work_folder = work_folder},
+                                             observer);
+        if (cell.filter)
+            filter_checkpoints(setup_.program,
+                               {*cell.filter, folder, setup_.threads, folder_.cell_folder(cell.name), work_folder},
+                               timing.measurement);
+        return timing;
+    }
     const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
     const ExternalCell external{.method = *cell.external,
                                 .scene_file = scene.entry.path,
                                 .scene_text = in_povray_form ? scene.povray : "",
-                                .folder = fs::path(fs::absolute(setup_.experiment.path)).parent_path().string(),
+                                .folder = folder,
                                 .width = scene.width,
                                 .height = scene.height,
                                 .seed = identity.seed,
@@ -156,7 +168,7 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
     }
     LayeredImage image = read_image(checkpoint_image(work_folder, record.last().passes));
     image.metadata.clear();
-    if (!cell.external) image = layers_of(components_in(image));
+    if (!cell.has_command()) image = layers_of(components_in(image));
     write_exr(folder_.cell_image(cell.name), image);
     record.image = image_digest(image);
     record.image_file = file_hash(folder_.cell_image(cell.name));

@@ -31,12 +31,14 @@ WorkCell work_cell(const RunSetup& setup, std::size_t scene, const MethodLabel& 
     identity.scene_hash = of.content_hash;
     identity.spp =
         external ? passes_of(*external, of.sample_count) : last_pass(ConfiguredMethod(label).values, of.sample_count);
-    if (external) identity.command = external->identity();
+    const ExternalMethod* filter = external ? nullptr : setup.experiment.filter_command(label);
+    if (external || filter) identity.command = (external ? external : filter)->identity();
     identity.budget = setup.experiment.budget;
     identity.epsilon = setup.experiment.epsilon;
     identity.threads = setup.threads;
     return {.scene = scene,
             .external = external,
+            .filter = filter,
             .identity = identity,
             .name = cell_folder_name(identity.scene, identity.method, seed)};
 }

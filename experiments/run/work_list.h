@@ -16,10 +16,13 @@ namespace gib {
 struct WorkCell {
     std::size_t scene;               ///< place in RunSetup::scenes
     const ExternalMethod* external;  ///< null: a method of gibench
+    const ExternalMethod* filter;    ///< command that filters its images; null: none does
     CellIdentity identity;           ///< without the reference until WorkList::use()
     std::string name;                ///< name of its folder
     bool is_selected = true;         ///< whether this run is to measure it
 
+    /// Whether a command makes its final image, which then has no components.
+    bool has_command() const { return external || filter; }
     std::string text() const;  ///< scene, label and seed for messages
 };
 

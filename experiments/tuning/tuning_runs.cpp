@@ -4,6 +4,7 @@
 #include "common/core/number_text.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/reference_image.h"
+#include "experiments/plan/filter_label.h"
 #include "experiments/text/json_file.h"
 #include "experiments/tuning/search_space.h"
 #include "methods/method.h"
@@ -188,7 +189,7 @@ std::string TuningRuns::write_results(const std::string& tune_json) {
 
 bool TuningRuns::is_unbiased(const MethodLabel& label) const {
     const std::pair key{scene_.name, with_value(label, "spp", endless_spp).text()};
-    return find_method(label.name).unbiased && session_->setup.left_out.at(key).empty();
+    return find_method(label.name).unbiased && filter_of(label).empty() && session_->setup.left_out.at(key).empty();
 }
 
 }  // namespace gib

@@ -118,6 +118,9 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
     s.gather = static_cast<int>(values.integer("gather"));
     s.ply = values.text("ply");
     s.max_edges = max_edges_of(values, defaults);
+    if (values.text("filter") != "none")
+        throw InputError(
+            "a filter takes two halves of the passes: an image of radiosity is no mean over passes and has no halves");
     return std::make_unique<Radiosity>(s);
 }
 

@@ -1,0 +1,81 @@
+#include "experiments/external/command_image.h"
+
+#include "common/core/files.h"
+#include "common/images/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+namespace gib {
+
+namespace {
+
+/// The last line of a file that is not empty.
+std::string last_line(const std::string& file) {
+    std::istringstream text(read_file(file));
+    std::string last;
+    for (std::string line; std::getline(text, line);)
+        if (line.find_first_not_of(" \t\r") != std::string::npos) last = line;
+    return last;
+}
+
+/// Throws RunError with the last line of the command's standard error.
+[[noreturn]] void fail(const ImageCommand& command, const std::string& what) {
+    const std::string messages = command.cell_folder + "/stderr.txt";
+    const std::string said = last_line(messages);
+    throw RunError(said.empty() ? what : fmt::format("{}; its last message: {} (all are in {})", what, said, messages));
+}
+
+void require_success(const ImageCommand& command, const CommandResult& result) {
+    if (result.timed_out)
+        fail(command, fmt::format("{} was ended after its timeout of {:g} s", command.name, command.timeout));
+    // A shell that has waited for its command tells a signal as the exit code 128 + signal.
+    const bool told_by_shell = result.exit_code > 128 && result.exit_code < 128 + 32;
+    if (const int signal = told_by_shell ? result.exit_code - 128 : result.signal; signal != 0)
+        fail(command, fmt::format("{} was killed by signal {} ({})", command.name, signal, strsignal(signal)));
+    if (result.exit_code != 0) fail(command, fmt::format("{} ended with exit code {}", command.name, result.exit_code));
+}
+
+Image image_of(const ImageCommand& command) {
+    if (!std::filesystem::exists(command.out)) fail(command, command.name + " wrote no image");
+    const LayeredImage file = [&] {
+        try {
+            return read_image(command.out);
+        } catch (const InputError& error) {
+            fail(command, fmt::format("its image cannot be read: {}", error.what()));
+        }
+    }();
+    const Image* image = file.find("");
+    if (!image) fail(command, "its image has no channels R,G,B");
+    if (image->width != command.width || image->height != command.height)
+        fail(command, fmt::format("its image has {} x {} pixels, the scene has {} x {}", image->width, image->height,
+                                  command.width, command.height));
+    if (const std::size_t bad = image->non_finite_values(); bad > 0) {
+        const auto first =
+            std::find_if(image->rgb.begin(), image->rgb.end(), [](float v) { return !std::isfinite(v); });
+        const auto pixel = static_cast<int>((first - image->rgb.begin()) / 3);
+        fail(command, fmt::format("{} of the {} values of its image are not finite, the first in column {} of row {}",
+                                  bad, image->rgb.size(), pixel % image->width, pixel / image->width));
+    }
+    return *image;
+}
+
+}  // namespace
+
+CommandImage run_image_command(const std::string& program, const ImageCommand& command) {
+    CommandResult cost = run_command(program, {.command = command.command,
+                                               .folder = command.folder,
+                                               .timeout = command.timeout,
+                                               .output_file = command.cell_folder + "/stdout.txt",
+                                               .message_file = command.cell_folder + "/stderr.txt",
+                                               .work_folder = command.work_folder});
+    require_success(command, cost);
+    return {image_of(command), cost};
+}
+
+}  // namespace gib
