@@ -119,8 +119,7 @@ public:
             maps_.global = tracing_.traced_map(PhotonMapKind::global, settings.photons, aims.global.get(), seed);
         // A ray that reaches no surface reaches no bounded medium either, so the bins of the global map serve the
         // volume map too.
-        if (plan.runs(step_volume))
-            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings.volume_photons, aims.global.get(), seed);
+        if (plan.runs(step_volume)) fill_volume_map(aims.global.get());
         if (plan.runs(step_shadow_map)) fill_shadow_map();
     }
 
@@ -148,6 +147,7 @@ public:
         stored.add("global", maps_.final_gather ? light_.map : maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
+        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
         if (cache_)
             for (const IrradianceRecord& record : cache_->cache().records())
                 stored.records.push_back(
@@ -158,6 +158,15 @@ public:
 private:
     float length(double fraction) const {
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
+    }
+
+    void fill_volume_map(const ProjectionMap* aim) {
+        if (settings_.volume_look_up == VolumeLookUp::points) {
+            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings_.volume_photons, aim, seed_);
+            return;
+        }
+        const double radius = tracing_.radius_along_rays(settings_, walk_, false, aim, seed_);
+        maps_.along_rays = tracing_.light_along_rays(settings_, radius, false, aim, seed_);
     }
 
     void fill_shadow_map() {
@@ -248,7 +257,7 @@ private:
 void refuse_without_effect(const ParameterValues& values, const PhotonMapperSettings& s) {
     if (s.photons == 0) values.refuse({"radius"}, "photons=0");
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
-    if (s.volume_photons == 0) values.refuse({"volume_radius"}, "volume_photons=0");
+    if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
         values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
@@ -265,6 +274,8 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     PhotonMapperSettings s{};
     s.photons = count("photons");
     s.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.photons;
+    s.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
+    const bool along_rays = s.volume_look_up != VolumeLookUp::points;
     s.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.photons;
     const auto k = values.number_unless_word("k");
     const bool all = values.choice("k") == "all";
@@ -273,7 +284,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.volume_k = k || all ? s.k : automatic_k(s.volume_photons);
     s.radius = values.number("radius");
     s.caustic_radius = values.number("caustic_radius");
-    s.volume_radius = values.number("volume_radius");
+    s.volume_radius = along_rays && !values.given("volume_radius") ? 0 : values.number("volume_radius");
     s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.compensation = values.choice("compensation") == "on";
@@ -321,8 +332,11 @@ std::vector<Parameter> photon_mapper_parameters() {
         number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
         number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),
-        number_parameter("volume_radius", "0.05", diagonals, 0, 1,
-                         "largest radius of a look-up in the volume map, but at most the mean free path"),
+        number_parameter(
+            "volume_radius", "0.05", diagonals, 0, 1,
+            "largest radius of a look-up in the volume map, but at most the mean free path; with volume=ray "
+            "or beams the radius of all look-ups, by default that which balances bias and variance"),
+        volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         tuned(disc_area_parameter(), three_words),
         choice_parameter("compensation", {"off", "on"},

@@ -58,7 +58,7 @@ public:
             find_first_radii();
             flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
-        trace_maps(combine_keys(seed_, pass));
+        trace_maps(combine_keys(seed_, pass), settings_.first_pass + pass);
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
@@ -82,6 +82,7 @@ public:
         stored.add("global", maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
+        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
         return stored;
     }
 
@@ -93,15 +94,23 @@ private:
         return components;
     }
 
-    void trace_maps(std::uint64_t seed) {
+    /// The maps of the pass that `passes` others precede.
+    void trace_maps(std::uint64_t seed, std::uint64_t passes) {
         const PhotonMapSettings& s = settings_.maps;
         maps_.caustic = maps_.global = maps_.volume = PhotonMap();  // gives their memory back
         if (plan_.runs(step_caustic))
             maps_.caustic = tracing_.traced_map(PhotonMapKind::caustic, s.caustic_photons, aims_.caustic.get(), seed);
         if (plan_.runs(step_global))
             maps_.global = tracing_.traced_map(PhotonMapKind::global, s.photons, aims_.global.get(), seed);
-        if (plan_.runs(step_volume))
+        if (!plan_.runs(step_volume)) return;
+        if (s.volume_look_up == VolumeLookUp::points) {
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
+            return;
+        }
+        const bool beams = s.volume_look_up == VolumeLookUp::beams;
+        const double radius = first_.volume * (beams ? shrinking_.along_beams(passes) : shrinking_.on_surfaces(passes));
+        maps_.along_rays.reset();
+        maps_.along_rays = tracing_.light_along_rays(s, radius, true, aims_.global.get(), seed);
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
@@ -122,11 +131,14 @@ private:
 
     void find_first_radii() {
         const PhotonMapSettings& s = settings_.maps;
-        const bool all_given = s.radius > 0 && s.caustic_radius > 0 && s.volume_radius > 0;
+        const bool along_rays = s.volume_look_up != VolumeLookUp::points;
+        const bool all_given = s.radius > 0 && s.caustic_radius > 0 && (s.volume_radius > 0 || along_rays);
         const SeenPlaces seen = all_given ? SeenPlaces() : seen_places(scene_, walk_, seed_, rays_);
         const auto radius = [&](std::string_view step, PhotonMapKind kind, double given, std::uint64_t count,
                                 const ProjectionMap* aim) {
             if (!plan_.runs(step)) return 0.0;
+            if (kind == PhotonMapKind::volume && along_rays)
+                return tracing_.radius_along_rays(s, walk_, true, aim, combine_keys(seed_, pilot_key));
             return first_radius_for(kind, given, count, aim,
                                     kind == PhotonMapKind::volume ? seen.in_media : seen.on_surfaces);
         };
@@ -228,6 +240,7 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.k = s.maps.caustic_k = s.maps.volume_k = all_photons;
     s.maps.radius = first_radius_of(values, "radius");
     s.maps.caustic_radius = first_radius_of(values, "caustic_radius");
+    s.maps.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
     s.maps.volume_radius = first_radius_of(values, "volume_radius");
     s.maps.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.maps.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
@@ -253,6 +266,7 @@ std::vector<Parameter> progressive_parameters() {
         first_radius_parameter("radius", "in the global map", "50 photons"),
         first_radius_parameter("caustic_radius", "in the caustic map", "50 photons"),
         first_radius_parameter("volume_radius", "in the volume map", "50 photons"),
+        volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         disc_area_parameter(),
         projection_parameter(),
