@@ -9,10 +9,12 @@
 //    cache=on through an irradiance cache;
 //  - volume: those photons of the maps that a medium has scattered on the way.
 // Where a free flight through a medium ends, light straight from its source comes from light sampling and all other
-// light from the volume map. Light found at the end of a specular path counts only before that surface or event
+// light from the volume map. With volume=ray or beams no flight is sampled: all light that a medium scatters into the eye's
+// ray comes from the photons or the photon beams around it (methods/parts/density/light_along_rays.h), and what lies behind
+// the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
+// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
 // (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
@@ -41,6 +43,8 @@ namespace gib {
 
 namespace {
 
+/// The value of volume=beams needs so many fewer photons by default.
+constexpr std::uint64_t photons_per_beam_photon = 100;
 constexpr std::string_view step_gather = "final gathering";
 constexpr std::string_view step_irradiance = "precomputed irradiance";
 constexpr std::string_view step_cache = "irradiance cache";
@@ -276,7 +280,11 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.photons;
     s.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
     const bool along_rays = s.volume_look_up != VolumeLookUp::points;
-    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.photons;
+    // A photon has several beams, and each crosses many eye paths.
+    const std::uint64_t default_volume_photons =
+        s.volume_look_up == VolumeLookUp::beams ? (s.photons + photons_per_beam_photon - 1) / photons_per_beam_photon
+                                                : s.photons;
+    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : default_volume_photons;
     const auto k = values.number_unless_word("k");
     const bool all = values.choice("k") == "all";
     s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
@@ -323,7 +331,9 @@ std::vector<Parameter> photon_mapper_parameters() {
     std::vector<Parameter> parameters = {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
-        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
+        count_parameter(
+            "volume_photons", "", "photons",
+            "emitted for the volume map; default: the value of photons, with volume=beams a hundredth of it"),
         tuned(integer_parameter("k", "50", "photons", 2, 1e6,
                                 "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
                                 "within the radius",

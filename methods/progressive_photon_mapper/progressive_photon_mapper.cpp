@@ -7,7 +7,7 @@
 // radius shrinks by the law of parts/density/shrinking_radius.h.
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
-// kernel, area, projection; spp and max_depth as for all methods.
+// volume, kernel, area, projection; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
@@ -28,6 +28,8 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
+/// By default volume=beams needs so many fewer photons.
+constexpr std::uint64_t photons_per_beam_photon = 10;
 constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
@@ -222,6 +224,8 @@ private:
         constexpr std::uint64_t fewest = 10000, most = 250000;
         for (std::uint64_t* photons : {&s.maps.photons, &s.maps.caustic_photons, &s.maps.volume_photons})
             if (*photons == 0) *photons = std::clamp(pixels, fewest, most);
+        if (settings_.maps.volume_photons == 0 && s.maps.volume_look_up == VolumeLookUp::beams)
+            s.maps.volume_photons /= photons_per_beam_photon;
         return s;
     }
 
@@ -236,11 +240,12 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     ProgressiveSettings s{};
     s.maps.photons = count("photons");
     s.maps.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.maps.photons;
-    s.maps.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.maps.photons;
+    s.maps.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
+    const std::uint64_t fewer = s.maps.volume_look_up == VolumeLookUp::beams ? photons_per_beam_photon : 1;
+    s.maps.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.maps.photons / fewer;
     s.maps.k = s.maps.caustic_k = s.maps.volume_k = all_photons;
     s.maps.radius = first_radius_of(values, "radius");
     s.maps.caustic_radius = first_radius_of(values, "caustic_radius");
-    s.maps.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
     s.maps.volume_radius = first_radius_of(values, "volume_radius");
     s.maps.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.maps.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
@@ -260,7 +265,8 @@ std::vector<Parameter> progressive_parameters() {
             photons("photons", "emitted for the global map of a pass; default: one for each pixel, from 1e4 to 2.5e5"),
             {1e4, 1e6}),
         photons("caustic_photons", "emitted for the caustic map of a pass; default: the value of photons"),
-        photons("volume_photons", "emitted for the volume map of a pass; default: the value of photons"),
+        photons("volume_photons",
+                "emitted for the volume map of a pass; default: the value of photons, with volume=beams a tenth of it"),
         alpha_parameter(),
         first_pass_parameter(),
         first_radius_parameter("radius", "in the global map", "50 photons"),

@@ -23,11 +23,12 @@ struct RadiusSearch {
     bool shrinks;  ///< the radius is that of the first of many passes
 };
 
-/// The radius [scene units] with the least error of look-ups along eye paths, at most `search.longest`. The variance of N
+/// The radius [scene units] of look-ups along eye paths: two fifths of that with the least error, because a smaller radius
+/// also takes less time. The variance of N
 /// paths is c / (N r^n) and the squared bias b r^4, with n = 1 for beams and 2 for photons, so the error is least where the
 /// squared bias is n / 4 of the variance. Both are estimated as in first_radius(): the variance by the sum of squares, as photons
 /// come as a Poisson process, the bias by the difference to the radius r / sqrt 2, and its square by the product of two
-/// halves of the photons. Errors count with 1 / (S^2 + the median's S^2), S the radiance from the ten nearest photons. For
+/// halves of the photons. Errors count with 1 / (S^2 + the median's S^2), S the radiance found. For
 /// a mean over passes whose radius shrinks the bias counts (2 - alpha) / alpha^2 = 3 times (alpha = 2/3, n = 2).
 double radius_along_rays(const Scene& scene, const WalkSettings& settings, const RadiusSearch& search,
                          std::uint64_t seed, std::uint64_t& rays);
