@@ -30,6 +30,8 @@ public:
     GridVolume(Data data, const Eigen::Affine3d& to_grid, VolumeFilter filter, Wrap wrap);
 
     bool constant() const { return data_.values.empty(); }
+    /// Whether all channels have the same value everywhere.
+    bool grey() const { return constant() ? (constant_ == constant_[0]).all() : data_.channels == 1; }
     Color at(const Vec3& p) const { return constant() ? constant_ : interpolated(p); }
     /// Clips the stretch [begin, end) of the line from + t w to the part that lies in the cube; false if nothing is
     /// left. A volume without a cube fills all of space.

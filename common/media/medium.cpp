@@ -99,11 +99,10 @@ std::optional<float> Medium::track_collisions(const Vec3& from, const Vec3& w, f
     }
 }
 
-Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
+template <typename Passed>
+Color Medium::track_ratio(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
+                          Passed&& passed) const {
     Color transmitted = Color::Ones();
-    float begin = 0.f, end = length;
-    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return transmitted;
-    if (extinction_.constant()) return attenuation(extinction_at(from), end - begin);
     const Vec3 edge = from + begin * w;
     // Once little light is left, Russian roulette ends the way through a dense medium.
     constexpr float little = 0.1f, survival = 0.5f;
@@ -112,10 +111,75 @@ Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, Numbe
         const auto t = static_cast<float>(way);
         if (!(t < end - begin)) return transmitted;
         transmitted *= 1.f - extinction_at(edge + t * w) / majorant_;
-        if (transmitted.maxCoeff() > little) continue;
-        if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) return Color::Zero();
-        transmitted /= survival;
+        if (transmitted.maxCoeff() <= little) {
+            if (!(transmitted.maxCoeff() > 0.f) || !(u.next() < survival)) transmitted.setZero();
+            transmitted /= survival;
+        }
+        passed(begin + t, transmitted);
+        if (!(transmitted.maxCoeff() > 0.f)) return transmitted;
     }
+}
+
+Color Medium::transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
+    float begin = 0.f, end = length;
+    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return Color::Ones();
+    if (extinction_.constant()) return attenuation(extinction_at(from), end - begin);
+    return track_ratio(from, w, begin, end, u, [](float, const Color&) {});
+}
+
+TransmittanceAlong Medium::transmittance_along(const Vec3& from, const Vec3& w, float length, NumberStream& u) const {
+    TransmittanceAlong along;
+    float begin = 0.f, end = length;
+    if (!(majorant_ > 0.f) || !extinction_.clip(from, w, begin, end)) return along;
+    along.begin_ = begin;
+    along.end_ = end;
+    if (extinction_.constant()) along.extinction_ = extinction_at(from);
+    else
+        track_ratio(from, w, begin, end, u,
+                    [&](float t, const Color& transmitted) { along.steps_.emplace_back(t, transmitted); });
+    return along;
+}
+
+Color TransmittanceAlong::at(float t) const {
+    if (steps_.empty()) return attenuation(extinction_, std::clamp(t, begin_, end_) - begin_);
+    const auto beyond = std::upper_bound(steps_.begin(), steps_.end(), t,
+                                         [](float distance, const auto& step) { return distance < step.first; });
+    return beyond == steps_.begin() ? Color(Color::Ones()) : std::prev(beyond)->second;
+}
+
+std::optional<Medium::Reach> Medium::sample_reach(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                                  Color& power) const {
+    float begin = 0.f, end = length;
+    const float total = power.sum();
+    if (!(total > 0.f) || !extinction_.clip(from, w, begin, end)) return std::nullopt;
+    const float choice = total * u.next();
+    int channel = choice < power[0] ? 0 : choice < power[0] + power[1] ? 1 : 2;
+    while (power[channel] == 0.f)  // the rounded sums may fall short of `choice`
+        --channel;
+    if (extinction_.constant()) {
+        const Color sigma = extinction_at(from);
+        // A channel without extinction is not scattered either; where the others have faded, the beam may end.
+        constexpr float faded = 100.f;
+        const float least = (sigma > 0.f).select(sigma, infinity).minCoeff();
+        return Reach{begin, std::min({end, begin + free_flight(sigma[channel], u), begin + faded / least})};
+    }
+    if (!extinction_.grey()) {
+        const float alone = total;  // power_c / q_c
+        power.setZero();
+        power[channel] = alone;
+    }
+    for (double way = 0;;) {
+        way += free_flight(majorant_, u);
+        const float t = begin + static_cast<float>(way);
+        if (!(t < end)) return Reach{begin, end};
+        if (u.next() * majorant_ < extinction_at(from + t * w)[channel]) return Reach{begin, t};
+    }
+}
+
+Color Medium::power_along(const Color& power, float t) const {
+    if (!extinction_.constant() || extinction_.grey()) return power;
+    const Color transmitted = attenuation(extinction_at(Vec3::Zero()), t);
+    return power * transmitted * (power.sum() / (power * transmitted).sum());
 }
 
 }  // namespace gib

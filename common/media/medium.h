@@ -6,8 +6,23 @@
 #include "common/sampling/sampler.h"
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace gib {
+
+/// An estimate of the transmittance T(t) from the start of a ray up to t, for all t at once: unbiased for each t, and exact
+/// where the extinction is constant.
+class TransmittanceAlong {
+public:
+    Color at(float t) const;
+
+private:
+    friend class Medium;
+    float begin_ = 0.f, end_ = 0.f;     ///< the part of the ray that lies in the medium
+    Color extinction_ = Color::Zero();  ///< constant along the ray; 0 where the steps hold T
+    std::vector<std::pair<float, Color>> steps_;
+};
 
 /// Extinction sigma_t [1/scene unit] and albedo sigma_s / sigma_t by channel, constant or on a grid. A medium whose
 /// extinction has a cube ends there.
@@ -26,6 +41,12 @@ namespace gib {
 /// - Transmittance on a grid: ratio tracking (Novak et al. 2014), the product of 1 - sigma_t / M
 ///   over tentative collisions.
 ///
+/// - Beams: the power that a beam still has at t is 0 beyond an end sampled by analogue tracking of one channel, chosen with
+///   the probability q_c in proportion to the power (Jarosz, Nowrouzezahrai, Sadeghi and Jensen 2011, "A Comprehensive Theory
+///   of Volumetric Radiance Estimation using Photon Points and Beams", section 5.2: short beams, whose transmittance has the
+///   values 0 and 1). With a constant extinction the power is weighted by T(t) / (sum of q_c exp(-sigma_t,c t)), which is 1
+///   without colour; on a coloured grid the beam has the power of the chosen channel alone, divided by q_c.
+///
 /// A medium that scatters nothing is not sampled: light that passes is weighted by T(d).
 class Medium {
 public:
@@ -40,6 +61,20 @@ public:
     /// An unbiased estimate of the transmittance over `length` along w, by channel; exact for a constant extinction.
     Color transmittance(const Vec3& from, const Vec3& w, float length, NumberStream& u) const;
 
+    /// An estimate of the transmittance up to every point of the stretch. `u` is used on a grid only.
+    TransmittanceAlong transmittance_along(const Vec3& from, const Vec3& w, float length, NumberStream& u) const;
+
+    /// The stretch, in distances from the start of a ray, that a beam of light fills.
+    struct Reach {
+        float begin, end;
+    };
+    /// Samples the reach of a beam of light from a point along w, at most `length`; empty if it misses the medium. The
+    /// mean of power_along(power, t - begin) over reaches that hold t is the power given times T(t).
+    std::optional<Reach> sample_reach(const Vec3& from, const Vec3& w, float length, NumberStream& u,
+                                      Color& power) const;
+    /// The power of a beam at the distance t from the beginning of its reach; sample_reach() has set `power`.
+    Color power_along(const Color& power, float t) const;
+
     bool scatters() const { return scatters_; }
     /// sigma_s [1/scene unit] at a point.
     Color scattering_at(const Vec3& p) const;
@@ -52,6 +87,9 @@ private:
                                          Color& throughput) const;
     std::optional<float> track_collisions(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u,
                                           Color& throughput) const;
+    /// Ratio tracking on [begin, end) along w: calls passed(t, T) after every tentative collision and returns T(end).
+    template <typename Passed>
+    Color track_ratio(const Vec3& from, const Vec3& w, float begin, float end, NumberStream& u, Passed&& passed) const;
     /// The extinction, limited because interpolation may round to above the highest value of the grid.
     Color extinction_at(const Vec3& p) const;
 

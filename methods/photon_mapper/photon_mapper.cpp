@@ -9,10 +9,12 @@
 //    cache=on through an irradiance cache;
 //  - volume: those photons of the maps that a medium has scattered on the way.
 // Where a free flight through a medium ends, light straight from its source comes from light sampling and all other
-// light from the volume map. Light found at the end of a specular path counts only before that surface or event
+// light from the volume map. With volume=ray or beams no flight is sampled: all light that a medium scatters into the eye's
+// ray comes from the photons or the photon beams around it (methods/parts/density/light_along_rays.h), and what lies behind
+// the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
+// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
 // (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
@@ -41,6 +43,8 @@ namespace gib {
 
 namespace {
 
+/// The value of volume=beams needs so many fewer photons by default.
+constexpr std::uint64_t photons_per_beam_photon = 100;
 constexpr std::string_view step_gather = "final gathering";
 constexpr std::string_view step_irradiance = "precomputed irradiance";
 constexpr std::string_view step_cache = "irradiance cache";
@@ -119,8 +123,7 @@ public:
             maps_.global = tracing_.traced_map(PhotonMapKind::global, settings.photons, aims.global.get(), seed);
         // A ray that reaches no surface reaches no bounded medium either, so the bins of the global map serve the
         // volume map too.
-        if (plan.runs(step_volume))
-            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings.volume_photons, aims.global.get(), seed);
+        if (plan.runs(step_volume)) fill_volume_map(aims.global.get());
         if (plan.runs(step_shadow_map)) fill_shadow_map();
     }
 
@@ -148,6 +151,7 @@ public:
         stored.add("global", maps_.final_gather ? light_.map : maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
+        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
         if (cache_)
             for (const IrradianceRecord& record : cache_->cache().records())
                 stored.records.push_back(
@@ -158,6 +162,15 @@ public:
 private:
     float length(double fraction) const {
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
+    }
+
+    void fill_volume_map(const ProjectionMap* aim) {
+        if (settings_.volume_look_up == VolumeLookUp::points) {
+            maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings_.volume_photons, aim, seed_);
+            return;
+        }
+        const double radius = tracing_.radius_along_rays(settings_, walk_, false, aim, seed_);
+        maps_.along_rays = tracing_.light_along_rays(settings_, radius, false, aim, seed_);
     }
 
     void fill_shadow_map() {
@@ -248,7 +261,7 @@ private:
 void refuse_without_effect(const ParameterValues& values, const PhotonMapperSettings& s) {
     if (s.photons == 0) values.refuse({"radius"}, "photons=0");
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
-    if (s.volume_photons == 0) values.refuse({"volume_radius"}, "volume_photons=0");
+    if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
         values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
@@ -265,7 +278,13 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     PhotonMapperSettings s{};
     s.photons = count("photons");
     s.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.photons;
-    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.photons;
+    s.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
+    const bool along_rays = s.volume_look_up != VolumeLookUp::points;
+    // A photon has several beams, and each crosses many eye paths.
+    const std::uint64_t default_volume_photons =
+        s.volume_look_up == VolumeLookUp::beams ? (s.photons + photons_per_beam_photon - 1) / photons_per_beam_photon
+                                                : s.photons;
+    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : default_volume_photons;
     const auto k = values.number_unless_word("k");
     const bool all = values.choice("k") == "all";
     s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
@@ -273,7 +292,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.volume_k = k || all ? s.k : automatic_k(s.volume_photons);
     s.radius = values.number("radius");
     s.caustic_radius = values.number("caustic_radius");
-    s.volume_radius = values.number("volume_radius");
+    s.volume_radius = along_rays && !values.given("volume_radius") ? 0 : values.number("volume_radius");
     s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.compensation = values.choice("compensation") == "on";
@@ -312,7 +331,9 @@ std::vector<Parameter> photon_mapper_parameters() {
     std::vector<Parameter> parameters = {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
-        count_parameter("volume_photons", "", "photons", "emitted for the volume map; default: the value of photons"),
+        count_parameter(
+            "volume_photons", "", "photons",
+            "emitted for the volume map; default: the value of photons, with volume=beams a hundredth of it"),
         tuned(integer_parameter("k", "50", "photons", 2, 1e6,
                                 "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
                                 "within the radius",
@@ -321,8 +342,11 @@ std::vector<Parameter> photon_mapper_parameters() {
         number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
         number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),
-        number_parameter("volume_radius", "0.05", diagonals, 0, 1,
-                         "largest radius of a look-up in the volume map, but at most the mean free path"),
+        number_parameter(
+            "volume_radius", "0.05", diagonals, 0, 1,
+            "largest radius of a look-up in the volume map, but at most the mean free path; with volume=ray "
+            "or beams the radius of all look-ups, by default that which balances bias and variance"),
+        volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         tuned(disc_area_parameter(), three_words),
         choice_parameter("compensation", {"off", "on"},

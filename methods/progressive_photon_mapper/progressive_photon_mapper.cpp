@@ -7,7 +7,7 @@
 // radius shrinks by the law of parts/density/shrinking_radius.h.
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
-// kernel, area, projection; spp and max_depth as for all methods.
+// volume, kernel, area, projection; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
@@ -28,6 +28,8 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
+/// By default volume=beams needs so many fewer photons.
+constexpr std::uint64_t photons_per_beam_photon = 10;
 constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
@@ -58,7 +60,7 @@ public:
             find_first_radii();
             flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
-        trace_maps(combine_keys(seed_, pass));
+        trace_maps(combine_keys(seed_, pass), settings_.first_pass + pass);
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
@@ -82,6 +84,7 @@ public:
         stored.add("global", maps_.global);
         stored.add("caustic", maps_.caustic);
         stored.add("volume", maps_.volume);
+        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
         return stored;
     }
 
@@ -93,15 +96,23 @@ private:
         return components;
     }
 
-    void trace_maps(std::uint64_t seed) {
+    /// The maps of the pass that `passes` others precede.
+    void trace_maps(std::uint64_t seed, std::uint64_t passes) {
         const PhotonMapSettings& s = settings_.maps;
         maps_.caustic = maps_.global = maps_.volume = PhotonMap();  // gives their memory back
         if (plan_.runs(step_caustic))
             maps_.caustic = tracing_.traced_map(PhotonMapKind::caustic, s.caustic_photons, aims_.caustic.get(), seed);
         if (plan_.runs(step_global))
             maps_.global = tracing_.traced_map(PhotonMapKind::global, s.photons, aims_.global.get(), seed);
-        if (plan_.runs(step_volume))
+        if (!plan_.runs(step_volume)) return;
+        if (s.volume_look_up == VolumeLookUp::points) {
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
+            return;
+        }
+        const bool beams = s.volume_look_up == VolumeLookUp::beams;
+        const double radius = first_.volume * (beams ? shrinking_.along_beams(passes) : shrinking_.on_surfaces(passes));
+        maps_.along_rays.reset();
+        maps_.along_rays = tracing_.light_along_rays(s, radius, true, aims_.global.get(), seed);
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
@@ -122,11 +133,14 @@ private:
 
     void find_first_radii() {
         const PhotonMapSettings& s = settings_.maps;
-        const bool all_given = s.radius > 0 && s.caustic_radius > 0 && s.volume_radius > 0;
+        const bool along_rays = s.volume_look_up != VolumeLookUp::points;
+        const bool all_given = s.radius > 0 && s.caustic_radius > 0 && (s.volume_radius > 0 || along_rays);
         const SeenPlaces seen = all_given ? SeenPlaces() : seen_places(scene_, walk_, seed_, rays_);
         const auto radius = [&](std::string_view step, PhotonMapKind kind, double given, std::uint64_t count,
                                 const ProjectionMap* aim) {
             if (!plan_.runs(step)) return 0.0;
+            if (kind == PhotonMapKind::volume && along_rays)
+                return tracing_.radius_along_rays(s, walk_, true, aim, combine_keys(seed_, pilot_key));
             return first_radius_for(kind, given, count, aim,
                                     kind == PhotonMapKind::volume ? seen.in_media : seen.on_surfaces);
         };
@@ -210,6 +224,8 @@ private:
         constexpr std::uint64_t fewest = 10000, most = 250000;
         for (std::uint64_t* photons : {&s.maps.photons, &s.maps.caustic_photons, &s.maps.volume_photons})
             if (*photons == 0) *photons = std::clamp(pixels, fewest, most);
+        if (settings_.maps.volume_photons == 0 && s.maps.volume_look_up == VolumeLookUp::beams)
+            s.maps.volume_photons /= photons_per_beam_photon;
         return s;
     }
 
@@ -224,7 +240,9 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     ProgressiveSettings s{};
     s.maps.photons = count("photons");
     s.maps.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.maps.photons;
-    s.maps.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.maps.photons;
+    s.maps.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
+    const std::uint64_t fewer = s.maps.volume_look_up == VolumeLookUp::beams ? photons_per_beam_photon : 1;
+    s.maps.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.maps.photons / fewer;
     s.maps.k = s.maps.caustic_k = s.maps.volume_k = all_photons;
     s.maps.radius = first_radius_of(values, "radius");
     s.maps.caustic_radius = first_radius_of(values, "caustic_radius");
@@ -247,12 +265,14 @@ std::vector<Parameter> progressive_parameters() {
             photons("photons", "emitted for the global map of a pass; default: one for each pixel, from 1e4 to 2.5e5"),
             {1e4, 1e6}),
         photons("caustic_photons", "emitted for the caustic map of a pass; default: the value of photons"),
-        photons("volume_photons", "emitted for the volume map of a pass; default: the value of photons"),
+        photons("volume_photons",
+                "emitted for the volume map of a pass; default: the value of photons, with volume=beams a tenth of it"),
         alpha_parameter(),
         first_pass_parameter(),
         first_radius_parameter("radius", "in the global map", "50 photons"),
         first_radius_parameter("caustic_radius", "in the caustic map", "50 photons"),
         first_radius_parameter("volume_radius", "in the volume map", "50 photons"),
+        volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         disc_area_parameter(),
         projection_parameter(),

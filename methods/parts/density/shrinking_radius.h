@@ -1,13 +1,15 @@
 #pragma once
 // How the radius of progressive methods shrinks from pass to pass, and where it starts.
 //
-// With n = 2 for surfaces and 3 for media,
+// With n = 2 for surfaces and for photons around a ray, 3 for media and 1 for beams,
 //
 //     r_(i+1)^n = r_i^n (i + alpha) / (i + 1),   i = 1, 2, ...,   0 < alpha < 1
 //
-// (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach"), so r_i^n falls as
+// (Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach"; beams: Jarosz, Nowrouzezahrai, Thomas,
+// Sloan and Zwicker 2011, "Progressive Photon Beams"), so r_i^n falls as
 // i^(alpha - 1). The variance of pass i grows as 1 / r_i^n, and its bias falls as r_i^2. The mean over N passes has the
-// variance O(N^-alpha) and the bias O(N^-(1 - alpha)) on surfaces, O(N^-(2/3) (1 - alpha)) in media.
+// variance O(N^-alpha) and the bias O(N^-(1 - alpha)) on surfaces, O(N^-(2/3) (1 - alpha)) in media and
+// O(N^-2 (1 - alpha)) with beams, but at most O(N^-1).
 
 #include <cmath>
 #include <cstdint>
@@ -20,6 +22,7 @@ public:
 
     /// r_i / r_1 of the pass that `passes` others precede.
     double on_surfaces(std::uint64_t passes) const { return std::sqrt(power(passes)); }
+    double along_beams(std::uint64_t passes) const { return power(passes); }
     double in_media(std::uint64_t passes) const { return std::cbrt(power(passes)); }
 
 private:

@@ -56,6 +56,15 @@ public:
         sample_.light[Component::volume] += vertex.throughput() * radiance;
     }
 
+    bool crosses_media() const { return maps_.along_rays.has_value(); }
+    /// Adds the light that a stretch in a medium scatters towards its start, straight from a light or not.
+    void crossed(const EyeVertex& vertex, const MediumStretch& stretch) {
+        if constexpr (light == EyeLight::straight) return;
+        const Scattered found = maps_.along_rays->radiance(stretch, eye_path(vertex), block_.near_ray);
+        sample_.light[Component::volume] += vertex.throughput() * found.radiance;
+        sample_.bias[Component::volume] += vertex.throughput() * found.bias;
+    }
+
     /// Adds the light that a diffuse surface reflects towards wo. Its integral is split by how light arrives (Jensen
     /// 2001, section 9.2): straight from a light, by way of specular surfaces only (caustic), or
     /// after a diffuse reflection (indirect).

@@ -4,7 +4,7 @@
 // Source: Jensen 2001, section 9.4; media: chapter 10.
 
 #include "methods/parts/density/biased_film.h"
-#include "methods/parts/density/volume_estimate.h"
+#include "methods/parts/density/light_along_rays.h"
 #include "methods/parts/gathering/cached_gather.h"
 #include "methods/parts/shadow_photons/light_visibility.h"
 
@@ -15,6 +15,7 @@ struct PhotonMaps {
     PhotonMap caustic, global, volume;
     DensityEstimator caustic_estimator, global_estimator;
     VolumeEstimator volume_estimator;
+    std::optional<LightAlongRays> along_rays;  ///< all light in media; empty: it comes from `volume` and light sampling
     const FinalGather* final_gather = nullptr;  ///< null: indirect light comes from the global map
     CachedGather* cache = nullptr;              ///< null: every gather traces its rays
     std::optional<LightVisibility> light_visibility;
@@ -24,6 +25,7 @@ struct PhotonMaps {
 struct PixelBlock {
     std::size_t pixel = 0;
     LastLookUp caustic = {}, global = {};
+    std::vector<std::uint32_t> near_ray = {};  ///< scratch memory
 };
 
 /// The eye pass over one block of pixels. Maps and settings must outlive it.

@@ -2,6 +2,7 @@
 
 #include "common/scene/scene.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 
 namespace gib {
@@ -14,9 +15,12 @@ constexpr std::string_view step_global_aim = "projection map of the global map";
 constexpr std::uint64_t photons_per_bin = 16;
 constexpr std::uint64_t fewest_bins = 1 << 8, most_bins = 1 << 16;
 
-void add_map(Plan& plan, std::string_view map, std::string why_not, std::uint64_t photons, int max_edges) {
+void add_map(Plan& plan, std::string_view map, std::string why_not, std::uint64_t photons, int max_edges,
+             int fewest_edges = 3) {
     if (why_not.empty() && photons == 0) why_not = "no photons are asked for";
-    if (why_not.empty() && max_edges < 3) why_not = "its paths have at least three edges, more than max_depth allows";
+    if (why_not.empty() && max_edges < fewest_edges)
+        why_not = fmt::format("its paths have at least {} edges, more than max_depth allows",
+                              fewest_edges == 3 ? "three" : "two");
     plan.add(map, std::move(why_not));
 }
 
@@ -49,6 +53,13 @@ Parameter disc_area_parameter() {
         "(plain)");
 }
 
+Parameter volume_parameter() {
+    return choice_parameter("volume", strings(volume_look_up_names),
+                            "how light in media is found: photons around the end of a free flight, with light sampling "
+                            "(points); all photons "
+                            "around the eye's ray (ray); the flights of all photons around it (beams)");
+}
+
 Parameter projection_parameter() {
     return choice_parameter("projection", {"on", "off"},
                             "lights emit photons only where these can reach surfaces that matter");
@@ -75,7 +86,8 @@ void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& set
     const char* why_not = !scene.has_light()              ? "nothing emits light"
                           : !scene.has_scattering_media() ? "no medium scatters light"
                                                           : "";
-    add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges);
+    const bool has_straight_light = settings.volume_look_up != VolumeLookUp::points;
+    add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges, has_straight_light ? 2 : 3);
 }
 
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
@@ -103,6 +115,35 @@ PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, c
 PhotonMap PhotonTracing::map_of(const PhotonWalkResult& walk) {
     const auto timer = stages_.time("tree build");
     return PhotonMap(walk.photons, walk.unit);
+}
+
+LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
+                                               const ProjectionMap* aim, std::uint64_t seed) {
+    const bool beams = settings.volume_look_up == VolumeLookUp::beams;
+    PhotonWalkResult walk =
+        trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
+    const auto timer = stages_.time("tree build");
+    return LightAlongRays(std::move(walk), settings.volume_look_up, settings.kernel, static_cast<float>(radius),
+                          estimates_bias);
+}
+
+double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
+                                        const ProjectionMap* aim, std::uint64_t seed) {
+    if (settings.volume_radius > 0) return settings.volume_radius * double{scene_.diagonal()};
+    PhotonMapSettings pilot = settings;
+    pilot.volume_photons = pilot_paths(settings.volume_photons);
+    const float longest = longest_radius_along_rays(settings.volume_look_up, pilot.volume_photons, scene_.diagonal());
+    constexpr std::uint64_t pilot_key = 0x72;  // keeps these photons apart from those of the maps
+    const LightAlongRays light = light_along_rays(pilot, double{longest}, false, aim, combine_keys(seed, pilot_key));
+    const auto timer = stages_.time("volume radius");
+    return gib::radius_along_rays(scene_, walk,
+                                  {.light = light,
+                                   .look_up = settings.volume_look_up,
+                                   .longest = longest,
+                                   .pilot = static_cast<double>(pilot.volume_photons),
+                                   .paths = static_cast<double>(settings.volume_photons),
+                                   .shrinks = shrinks},
+                                  seed, rays_);
 }
 
 }  // namespace gib

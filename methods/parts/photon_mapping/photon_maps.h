@@ -3,7 +3,7 @@
 // aim their photons, and how they are filled. Source: Jensen 2001, section 9.3.
 
 #include "methods/method.h"
-#include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/radius_along_rays.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/photons/projection_map.h"
 
@@ -20,15 +20,17 @@ struct PhotonMapSettings {
     std::size_t volume_k;           ///< photons in an estimate of the volume map, or all_photons
     double radius;                  ///< largest look-up radius in the global map [scene diagonals]
     double caustic_radius;          ///< largest look-up radius in the caustic map [scene diagonals]
-    double volume_radius;           ///< largest look-up radius in the volume map [scene diagonals]
+    double volume_radius;           ///< largest look-up radius in the volume map [scene diagonals]; 0: is found
+    VolumeLookUp volume_look_up = VolumeLookUp::points;
     Kernel kernel;
     DiscArea area;
     int max_edges;    ///< edges of the longest path
     bool projection;  ///< lights emit photons only where these can reach surfaces that matter
 };
 
-/// The parameters `area` and `projection`.
+/// The parameters `area`, `volume` and `projection`.
 Parameter disc_area_parameter();
+Parameter volume_parameter();
 Parameter projection_parameter();
 
 inline constexpr std::string_view step_specular = "specular paths";
@@ -66,6 +68,13 @@ public:
     PhotonMap traced_map(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
         return map_of(trace(kind, count, aim, seed));
     }
+    /// The light in media of `settings.volume_photons` photons, for look-ups along rays with this radius [scene units].
+    LightAlongRays light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
+                                    const ProjectionMap* aim, std::uint64_t seed);
+    /// The radius of these look-ups [scene units]: that of the settings, or else the one that radius_along_rays() finds for
+    /// one map, or for the first of many whose radius `shrinks`.
+    double radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
+                             const ProjectionMap* aim, std::uint64_t seed);
 
     std::uint64_t photons() const { return photons_; }
     std::uint64_t rays() const { return rays_; }

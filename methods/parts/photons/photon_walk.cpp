@@ -23,12 +23,13 @@ constexpr std::uint64_t walk_blocks = 64, fewest_per_block = 256, most_per_block
 constexpr std::uint64_t most_aimed_per_block = 16384;
 /// Memory of a photon while the map is built: the photon itself and its 29 bytes in the map (see PhotonMap).
 constexpr double bytes_per_photon = sizeof(Photon) + 29;
+constexpr double bytes_per_beam = 2 * sizeof(PhotonBeam);
 
 /// Name of the parameter for the number of photons that are emitted for a map of this kind.
 const char* name_of(PhotonMapKind kind) {
-    return kind == PhotonMapKind::caustic  ? "caustic_photons"
-           : kind == PhotonMapKind::volume ? "volume_photons"
-                                           : "photons";
+    return kind == PhotonMapKind::caustic                                 ? "caustic_photons"
+           : kind == PhotonMapKind::global || kind == PhotonMapKind::full ? "photons"
+                                                                          : "volume_photons";
 }
 
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
@@ -57,6 +58,7 @@ private:
 
     void follow() {
         while (allows_edge(at_.vertex + 1)) {
+            if (kind_ == PhotonMapKind::beams) store_beam();
             const Color before = at_.beta;
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
@@ -86,6 +88,19 @@ private:
                (kind_ == PhotonMapKind::caustic && !scattered && path.specular_since_diffuse);
     }
 
+    /// Stores the flight that begins here as a beam, whose end does not depend on that of the flight.
+    void store_beam() {
+        const Medium* medium = at_.medium;
+        if (!medium || !medium->scatters()) return;
+        const Ray& way = walk_.ray.ray;
+        Color power = at_.beta;
+        const auto reach =
+            medium->sample_reach(way.o, way.d, walk_.ray.found ? walk_.ray.found->t : infinity, walk_.flights, power);
+        if (!reach) return;
+        const PhotonPayload light(power, -way.d, way.d, at_.vertex + 1, true, at_.stratum);
+        result_.beams.emplace_back(light, way.o + reach->begin * way.d, way.d, reach->end - reach->begin, *medium);
+    }
+
     /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
     /// compensates for the weight of the flight. Returns false if the photon ends here.
     /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
@@ -93,7 +108,7 @@ private:
         const Vec3 wo = walk_.wo();
         const bool came_straight = at_.vertex == 0;
         if (kind_ == PhotonMapKind::caustic) return false;
-        if (kind_ == PhotonMapKind::volume && !came_straight) {
+        if (kind_ == PhotonMapKind::media || (kind_ == PhotonMapKind::volume && !came_straight)) {
             const Color sigma_s = at_.medium->scattering_at(p);
             const Color fluence = (sigma_s > 0.f).select(at_.beta / sigma_s, Color::Zero());
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
@@ -209,12 +224,15 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
         block.rays = rays.count();
         if (progress) progress->add(end - begin);
     };
-    auto parts = blocks_within_memory(count, per_block, &PhotonWalkResult::photons, bytes_per_photon,
-                                      std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
-
-    result.photons = joined(parts, &PhotonWalkResult::photons);
-    for (const PhotonWalkResult& block : parts)
-        result.rays += block.rays;
+    const auto trace_all = [&](auto items, double bytes_per_item) {
+        auto parts = blocks_within_memory(count, per_block, items, bytes_per_item,
+                                          std::string(name_of(kind)) + "=" + std::to_string(count), trace_block);
+        result.*items = joined(parts, items);
+        for (const PhotonWalkResult& block : parts)
+            result.rays += block.rays;
+    };
+    if (kind == PhotonMapKind::beams) trace_all(&PhotonWalkResult::beams, bytes_per_beam);
+    else trace_all(&PhotonWalkResult::photons, bytes_per_photon);
     return result;
 }
 

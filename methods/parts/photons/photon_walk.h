@@ -5,7 +5,7 @@
 // 9.3 and (media) chapter 10.
 
 #include "common/core/math.h"
-#include "methods/parts/photons/photon.h"
+#include "methods/parts/photons/photon_beam.h"
 
 #include <array>
 #include <cstdint>
@@ -23,13 +23,16 @@ enum class PhotonMapKind {
     global,   ///< on diffuse surfaces, L (S|D|V)* (D|V) S* D: those that a diffuse surface or a medium has scattered
     caustic,  ///< on diffuse surfaces, L S+ D; the walk ends at the first diffuse surface or event in a medium
     volume,   ///< in media, L (S|D|V)+ V: all but those that come straight from a light
-    full      ///< on diffuse surfaces, L (S|D|V)* D: all, for gather rays, which see all light that leaves a surface
+    full,     ///< on diffuse surfaces, L (S|D|V)* D: all, for gather rays, which see all light that leaves a surface
+    media,    ///< in media, L (S|D|V)* V: all
+    beams     ///< the flights of the same paths through media, as beams
 };
 
 struct PhotonWalkResult {
-    double unit = 1;              ///< unit of the photons' power [W]
-    std::vector<Photon> photons;  ///< in the order of emission; aimed ones within a block in the order of their bins
-    std::uint64_t emitted = 0;    ///< number of photons emitted
+    double unit = 1;                ///< unit of the photons' power [W]
+    std::vector<Photon> photons;    ///< in the order of emission; aimed ones within a block in the order of their bins
+    std::vector<PhotonBeam> beams;  ///< instead of photons, if these are asked for
+    std::uint64_t emitted = 0;      ///< number of photons emitted
     std::uint64_t rays = 0;
 };
 

@@ -15,4 +15,8 @@ void StoredLight::add(std::string_view name, const PhotonMap& map) {
     photons.push_back(std::move(stored));
 }
 
+void StoredLight::add(std::string_view name, const std::vector<Photon>& map, double unit) {
+    if (!map.empty()) photons.push_back({.map = name, .unit = unit, .photons = map});
+}
+
 }  // namespace gib

@@ -43,6 +43,7 @@ struct StoredLight {
     bool empty() const { return photons.empty() && records.empty() && patches.patches.empty(); }
     /// Adds the photons of a map, unless it is empty.
     void add(std::string_view name, const PhotonMap& map);
+    void add(std::string_view name, const std::vector<Photon>& map, double unit);
 };
 
 }  // namespace gib

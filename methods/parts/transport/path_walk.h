@@ -35,6 +35,15 @@ struct Flight {
     std::optional<Vec3> scattering_at{};  ///< empty if the path reaches the surface
 };
 
+/// A stretch of a path in a medium, up to the next surface.
+struct MediumStretch {
+    const Medium& medium;
+    Vec3 from;
+    Vec3 w;        ///< unit, away from where the path came from
+    float length;  ///< [scene units]; may be infinite
+    TransmittanceAlong transmittance;
+};
+
 /// The path and all it needs to go on. `ray` is its last edge, which has been traced.
 class PathWalk {
 public:
@@ -68,12 +77,16 @@ public:
     /// The flight along the ray through the medium that the path is in; multiplies beta by the weight of its outcome.
     Flight fly() {
         if (!at.medium) return {};
-        const Ray& way = ray.ray;  // d is a unit vector; t_min and t_max clip a camera's rays
-        const Vec3 from = way.o + way.t_min * way.d;
-        const float length = (ray.found ? ray.found->t : way.t_max) - way.t_min;
-        const auto distance = at.medium->sample_flight(from, way.d, length, flights, at.beta);
+        const auto distance = at.medium->sample_flight(flight_start(), ray.ray.d, flight_length(), flights, at.beta);
         if (is_black(at.beta)) return {.is_black = true};
-        return distance ? Flight{.scattering_at = from + *distance * way.d} : Flight{};
+        return distance ? Flight{.scattering_at = flight_start() + *distance * ray.ray.d} : Flight{};
+    }
+
+    /// The stretch along the ray through the medium that the path is in, which must not be vacuum.
+    MediumStretch stretch() {
+        const Vec3 from = flight_start();
+        const float length = flight_length();
+        return {*at.medium, from, ray.ray.d, length, at.medium->transmittance_along(from, ray.ray.d, length, flights)};
     }
 
     /// Radiance [W/(sr m^2)] that the path finds at the end of its ray, emitted by the surface there or, without a
@@ -177,6 +190,10 @@ public:
     }
 
 private:
+    // The ray's d is a unit vector; t_min and t_max clip a camera's rays.
+    Vec3 flight_start() const { return ray.ray.o + ray.ray.t_min * ray.ray.d; }
+    float flight_length() const { return (ray.found ? ray.found->t : ray.ray.t_max) - ray.ray.t_min; }
+
     void trace_from(const SurfaceHit& hit, const Vec3& wi) {
         if (scene().has_media()) at.medium = scene().medium_beyond(hit, wi, at.medium);
         ray.ray = hit.spawn_ray(wi);

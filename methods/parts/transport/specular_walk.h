@@ -28,7 +28,9 @@ struct EyeVertex {
 /// image. The visitor is called for:
 ///  - emitted(radiance): light at the end of the specular path [W/(sr m^2)], times its throughput;
 ///  - diffuse(vertex, hit, u): a surface with diffuse lobes; the path goes on by the specular lobes, if there are any;
-///  - scattered(vertex, p): a scattering event at p in a medium, where the path ends.
+///  - scattered(vertex, p): a scattering event at p in a medium, where the path ends;
+///  - crossed(vertex, stretch), if it has this function and crosses_media() holds: a whole stretch through a medium, instead
+///    of an event. The path goes on beyond it with the share of light that passes.
 /// For a visitor whose `wants_emission` is false emission is not computed, and emitted() is called only with a
 /// throughput that is not finite.
 template <typename Visitor>
@@ -49,7 +51,7 @@ private:
     void follow(int splits) {
         while (at_.vertex < settings_.max_edges) {
             const bool is_last = at_.vertex + 1 >= settings_.max_edges;
-            const Flight flight = walk_.fly();
+            const Flight flight = fly(is_last);
             if (flight.scattering_at && !is_last) visitor_.scattered(vertex(), *flight.scattering_at);
             if (flight.is_black || flight.scattering_at) return;
             auto hit = walk_.surface_hit();
@@ -69,6 +71,19 @@ private:
             if (!wi) return;
             walk_.go_on(*hit, *wi);
         }
+    }
+
+    /// The flight to the end of the ray, or a scattering event before it.
+    Flight fly(bool is_last) {
+        if constexpr (requires { visitor_.crosses_media(); }) {
+            if (at_.medium && visitor_.crosses_media()) {
+                const MediumStretch stretch = walk_.stretch();
+                if (!is_last && stretch.medium.scatters()) visitor_.crossed(vertex(), stretch);
+                at_.beta *= stretch.transmittance.at(stretch.length);
+                return {.is_black = is_black(at_.beta)};
+            }
+        }
+        return walk_.fly();
     }
 
     /// Follows both the way straight on through a thin sheet, which is no vertex, and, unless this vertex is the last,

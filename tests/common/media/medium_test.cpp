@@ -222,6 +222,38 @@ TEST(Medium, TransmittanceHasItsMean) {
         }
 }
 
+// At every place of a stretch, the estimates of the light that reaches it have the mean exp(-depth): the one of the whole
+// stretch, and the power of beams that hold the place.
+TEST(Medium, BeamsReachEveryPlaceInProportionToTheTransmittance) {
+    const Color before(0.5f, 1.f, 3.f);
+    constexpr float length = 2;
+    for (const Stretch& stretch : stretches())
+        for (const double place : {0.3, 1.9}) {
+            std::array<Moments, 3> transmitted, beams;
+            const auto at = static_cast<float>(place);
+            for (std::uint32_t i = 0; i < 50000; ++i) {
+                const Sampler sampler(PointSet::independent, 4, i, 0);
+                NumberStream u(sampler);
+                const Color t = stretch.medium.transmittance_along(Vec3::Zero(), Vec3::UnitX(), length, u).at(at);
+                Color power = before;
+                const auto reach = stretch.medium.sample_reach(Vec3::Zero(), Vec3::UnitX(), length, u, power);
+                const bool holds = reach && reach->begin <= at && at < reach->end;
+                const Color here =
+                    holds ? Color(stretch.medium.power_along(power, at - reach->begin) / before) : Color(Color::Zero());
+                for (std::size_t c = 0; c < 3; ++c) {
+                    transmitted[c].add(static_cast<double>(t[static_cast<int>(c)]));
+                    beams[c].add(static_cast<double>(here[static_cast<int>(c)]));
+                }
+            }
+            for (std::size_t c = 0; c < 3; ++c)
+                for (const Moments* found : {&transmitted[c], &beams[c]})
+                    EXPECT_NEAR(found->mean(),
+                                std::exp(-static_cast<double>(stretch.depth(place)[static_cast<int>(c)])),
+                                sigmas * found->standard_error() + 1e-6)
+                        << stretch.name << ' ' << place << ' ' << c << (found == &beams[c] ? " beams" : "");
+        }
+}
+
 // The medium of a grid ends with the grid's cube, from whichever side a ray comes.
 TEST(Medium, OnAGridEndsWithTheGrid) {
     const Medium medium(layers({1, 1}, 1, 3, 2), 1.f, GridVolume(Color::Ones()), {});

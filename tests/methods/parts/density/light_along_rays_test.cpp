@@ -1,0 +1,99 @@
+// Look-ups around an eye's ray, against the light of a point scattered once, which is an integral along the ray.
+
+#include "methods/parts/density/light_along_rays.h"
+#include "tests/support/moments.h"
+#include "tests/support/scene_fixtures.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace gib::light_along_rays_test {
+namespace {
+
+using namespace test;
+
+constexpr double sigmas = 5;  ///< allowed errors, in standard errors: false alarm below 1e-6 a comparison
+constexpr double sigma_t = 1, albedo = 0.8;
+constexpr float offset = 0.4f;  ///< of the ray from the light
+
+/// A point light of intensity 1 in the middle of a cube [-1, 1]^3 of fog.
+LoadedScene lit_fog() {
+    return scene_of(scene_xml(camera(40, to_world(translate(0, 0, -4)), box_film(4)) + point_light(0, 0, 0, 1) +
+                              shape("cube", bsdf("null"), "<medium name='interior' type='homogeneous'>",
+                                    number("sigma_t", sigma_t), number("albedo", albedo), "</medium>")));
+}
+
+/// What the fog scatters once into the ray at the distance `offset`: the integral over z of sigma_s / (4 pi) exp(-sigma_t rho)
+/// / rho^2 exp(-sigma_t (1 + z)).
+double scattered_once() {
+    constexpr int steps = 20000;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double z = -1 + (i + 0.5) * 2 / steps, rho = std::hypot(z, double{offset});
+        sum += std::exp(-sigma_t * (rho + 1 + z)) / (rho * rho) * 2 / steps;
+    }
+    return albedo * sigma_t / (4 * std::numbers::pi) * sum;
+}
+
+/// The radiance found by so many photons, over seeds and over 24 rays that see the same: along all axes both ways, at the
+/// distance `offset` on all sides. Few photons come close to two of them.
+Moments found(VolumeLookUp look_up, Kernel kernel, float radius, std::uint64_t photons, std::uint64_t seeds) {
+    const LoadedScene scene = lit_fog();
+    RayQueries rays(*scene.scene);
+    const Medium* medium = rays.medium_at(Vec3::Zero());
+    const Sampler sampler(PointSet::independent, 1, 1, 0);
+    NumberStream u(sampler);
+    std::vector<std::uint32_t> scratch;
+    Moments moments;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        const auto kind = look_up == VolumeLookUp::beams ? PhotonMapKind::beams : PhotonMapKind::media;
+        const LightAlongRays light(trace_photons(*scene.scene, kind, photons, 2, seed), look_up, kernel, radius);
+        for (int along = 0; along < 6; ++along)
+            for (int side = 0; side < 4; ++side) {
+                const float way = along % 2 == 0 ? 1.f : -1.f, by = side % 2 == 0 ? offset : -offset;
+                const Vec3 w = way * Vec3::Unit(along / 2);
+                const Vec3 from = by * Vec3::Unit((along / 2 + 1 + side / 2) % 3) - w;
+                const MediumStretch stretch{*medium, from, w, 2.f, medium->transmittance_along(from, w, 2.f, u)};
+                moments.add(double{light.radiance(stretch, {1}, scratch).radiance[1]});
+            }
+    }
+    return moments;
+}
+
+class LookUpsAlongRays : public testing::TestWithParam<VolumeLookUp> {};
+INSTANTIATE_TEST_SUITE_P(All, LookUpsAlongRays, testing::Values(VolumeLookUp::ray, VolumeLookUp::beams),
+                         [](const auto& look_up) {
+                             return std::string(volume_look_up_names[static_cast<std::size_t>(look_up.param)]);
+                         });
+
+TEST_P(LookUpsAlongRays, HaveTheMeanOfTheIntegralWithEveryKernel) {
+    for (const Kernel kernel : {Kernel::uniform, Kernel::cone, Kernel::gaussian, Kernel::epanechnikov}) {
+        const Moments m = found(GetParam(), kernel, 0.05f, 4000, 12);
+        EXPECT_LT(m.standard_error(), 0.04 * scattered_once()) << "the test would not see an error";
+        EXPECT_NEAR(m.mean(), scattered_once(), sigmas * m.standard_error() + 0.002 * scattered_once());
+    }
+}
+
+// Half the radius leaves a quarter of the bias; the variance doubles for beams, which blur along one dimension, and grows
+// fourfold for photons, which blur along two. A fourth of the photons has four times the variance. Each logarithm of a ratio of
+// variances over n samples has the standard error sqrt(2 (kurtosis - 1) / n); 3 stands for the kurtosis.
+TEST_P(LookUpsAlongRays, BiasAndVarianceFollowTheRadiusAndThePhotons) {
+    constexpr std::uint64_t seeds = 80, samples = 24 * seeds;
+    const double truth = scattered_once();
+    const Moments wide = found(GetParam(), Kernel::uniform, 0.2f, 2000, seeds),
+                  narrow = found(GetParam(), Kernel::uniform, 0.1f, 2000, seeds),
+                  few = found(GetParam(), Kernel::uniform, 0.2f, 500, seeds);
+    const double bias = wide.mean() - truth;
+    EXPECT_GT(std::abs(bias), sigmas * wide.standard_error()) << "the test would not see an error";
+    EXPECT_NEAR(narrow.mean() - truth, bias / 4,
+                sigmas * std::hypot(narrow.standard_error(), wide.standard_error() / 4) + 0.15 * std::abs(bias) / 4);
+    const double log_error = sigmas * std::sqrt(2 * 2.0 / samples);
+    const auto variance = [](const Moments& m) { return samples * m.standard_error() * m.standard_error(); };
+    const double dimensions = GetParam() == VolumeLookUp::beams ? 1 : 2;
+    EXPECT_NEAR(std::log2(variance(narrow) / variance(wide)), dimensions, log_error / std::numbers::ln2 + 0.1);
+    EXPECT_NEAR(std::log(variance(few) / variance(wide)), std::log(4), log_error);
+}
+
+}  // namespace
+}  // namespace gib::light_along_rays_test

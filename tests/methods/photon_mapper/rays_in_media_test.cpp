@@ -1,0 +1,123 @@
+// Photons and beams around the eye's ray (volume=ray, volume=beams), against closed forms and the path tracer.
+
+#include "tests/support/same_means.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/seed_means.h"
+#include "tests/support/volume_file.h"
+
+#include <fmt/format.h>
+#include <numbers>
+
+namespace gib::test::rays_in_media_test {
+namespace {
+
+constexpr double sigmas = 5;  ///< allowed errors, in standard errors of means over seeds: false alarm below 1e-4 a test
+const std::string no_surface = bsdf("null");
+
+/// Looks along -z at the square [-size, size]^2 of the plane z = 0.
+std::string camera_above(double size, int pixels) {
+    return element("sensor", "orthographic", to_world(scale(size, size, 1), look_at("0, 0, 5", "0, 0, 0")),
+                   box_film(pixels));
+}
+
+class VolumeLookUps : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(All, VolumeLookUps, testing::Values("ray", "beams"),
+                         [](const auto& name) { return name.param; });
+
+// A spotlight at x = -2 sends a cone of 1 degree through the cube [-1, 1]^3 of fog. Across the view each bit dx of the pencil
+// has come through x + 1 of the fog, and its light goes through another 1 to the camera. The image's mean is
+// Phi sigma_s p(90 degrees) exp(-sigma_t) times the integral of exp(-sigma_t (x + 1)) from -0.1 to 0.1, over the area of 0.04 in view.
+TEST_P(VolumeLookUps, APencilOfLightHasItsClosedForm) {
+    constexpr double sigma_t = 0.7, albedo = 0.8, g = 0.4, intensity = 100, degrees = 1;
+    const auto scene = scene_of(
+        scene_xml(element("integrator", "volpath", integer("max_depth", 2)) + camera_above(0.1, 16) +
+                  emitter("spot", to_world(look_at("-2, 0, 0", "0, 0, 0")), number("cutoff_angle", degrees),
+                          number("beam_width", degrees), rgb("intensity", intensity)) +
+                  shape("cube", no_surface, "<medium name='interior' type='homogeneous'>", number("sigma_t", sigma_t),
+                        number("albedo", albedo), element("phase", "hg", number("g", g)), "</medium>")));
+    const double flux = intensity * 2 * std::numbers::pi * (1 - std::cos(degrees * std::numbers::pi / 180));
+    const double phase = (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g, 1.5));
+    const double along = (std::exp(-sigma_t * 0.9) - std::exp(-sigma_t * 1.1)) / sigma_t / 0.04;
+    const double expected = flux * albedo * sigma_t * phase * std::exp(-sigma_t) * along;
+    const std::string photons = GetParam() == "ray" ? "2e5" : "8000";
+    const std::string label =
+        fmt::format("photon_mapper photons=0 caustic_photons=0 volume_photons={} volume_radius=0.01 volume={}", photons,
+                    GetParam());
+    const Moments m = means_over_seeds(scene, 16, 8, Component::volume, label)[1];
+    EXPECT_LT(m.standard_error(), 0.006 * expected) << "the test would not see an error";
+    EXPECT_NEAR(m.mean(), expected, 0.002 * expected + sigmas * m.standard_error());
+}
+
+/// A ball of fog lit by a lamp through a ball of glass, over a floor, and the fog's medium.
+std::string volume_caustic(const std::string& medium) {
+    return scene_xml(
+        camera(35, to_world(look_at("0, 0.4, -5", "0, 0.2, 0")), box_film(12)) +
+        shape("rectangle", to_world(scale(3), rotate('x', -90), translate(0, -1, 0)), diffuse(0.6)) +
+        shape("rectangle", to_world(scale(0.5), rotate('x', 90), translate(0, 4, 0)), area_light("40, 30, 20")) +
+        shape("sphere", center(0, 2, 0), radius(0.6), glass()) +
+        shape("cube", to_world(scale(1, 0.9, 1)), no_surface, medium));
+}
+
+const std::string coloured_fog = "<medium name='interior' type='homogeneous'>" + rgb("sigma_t", "0.4, 0.7, 1.2") +
+                                 rgb("albedo", "0.9, 0.8, 0.95") + element("phase", "hg", number("g", 0.3)) +
+                                 "</medium>";
+
+// Light straight from the lamp, focused by glass and scattered many times, in all channels and components.
+TEST_P(VolumeLookUps, AgreeWithThePathTracerInColouredFog) {
+    const auto scene = scene_of(volume_caustic(coloured_fog));
+    SeedMeans path = seed_means(scene, "path", 2048);
+    for (const std::string method : {"photon_mapper photons=2e4 volume_photons=1e4",
+                                     "progressive_photon_mapper photons=2000 volume_photons=1000"}) {
+        SeedMeans found = seed_means(scene, method + " volume_radius=0.004 volume=" + GetParam(), 8);
+        expect_same_means(path, found, method, 0.01);
+    }
+}
+
+/// A grid that is coloured and that varies, in the cube of the fog.
+std::string cloud(const TemporaryFolder& folder, int channels) {
+    std::vector<float> values;
+    for (int i = 0; i < 27 * channels; ++i)
+        values.push_back(static_cast<float>((i * 7) % 11) / 8.f);
+    const std::string placing = to_world(translate(-0.5, -0.5, -0.5), scale(2, 1.8, 2));
+    return "<medium name='interior' type='heterogeneous'><volume name='sigma_t' type='gridvolume'>" +
+           text("filename", folder.write("cloud.vol", volume_bytes({3, 3, 3}, channels, values))) + placing +
+           "</volume>" + rgb("albedo", "0.9, 0.8, 0.95") + element("phase", "hg", number("g", 0.3)) + "</medium>";
+}
+
+TEST_P(VolumeLookUps, AgreeWithThePathTracerOnGrids) {
+    for (const int channels : {1, 3}) {
+        const TemporaryFolder folder;
+        const auto scene = scene_of(volume_caustic(cloud(folder, channels)));
+        SeedMeans path = seed_means(scene, "path", 2048);
+        SeedMeans found = seed_means(
+            scene, "photon_mapper photons=2e4 volume_photons=1e4 volume_radius=0.004 volume=" + GetParam(), 16);
+        expect_same_means(path, found, std::to_string(channels) + " channels", 0.01);
+    }
+}
+
+TEST_P(VolumeLookUps, ImagesAreBitIdenticalForOneTwoAndThreeThreads) {
+    const TemporaryFolder folder;
+    const auto scene = scene_of(volume_caustic(cloud(folder, 3)));
+    for (const std::string method : {"photon_mapper photons=1e4", "progressive_photon_mapper photons=2000"}) {
+        const std::string label = method + " volume=" + GetParam();
+        const Image one = render(scene, label, 2, 1, 1).total();
+        for (const int threads : {2, 3}) {
+            const Image more = render(scene, label, 2, 1, threads).total();
+            for (std::size_t i = 0; i < one.pixels(); ++i)
+                ASSERT_TRUE((one.at(i) == more.at(i)).all()) << label << ", " << threads << " threads, pixel " << i;
+        }
+    }
+}
+
+// Both find the same light on surfaces as volume=points: their photons do not depend on how media are looked up.
+TEST_P(VolumeLookUps, LeaveThePhotonsOnSurfacesAsTheyAre) {
+    const auto scene = scene_of(volume_caustic(""));
+    const std::string label = "photon_mapper photons=2e4";
+    const Image points = render(scene, label, 2).total(),
+                rays = render(scene, label + " volume=" + GetParam(), 2).total();
+    for (std::size_t i = 0; i < points.pixels(); ++i)
+        ASSERT_TRUE((points.at(i) == rays.at(i)).all()) << i;
+}
+
+}  // namespace
+}  // namespace gib::test::rays_in_media_test
