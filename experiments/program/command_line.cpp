@@ -10,6 +10,7 @@
 #include "experiments/program/compare_runs.h"
 #include "experiments/program/completion.h"
 #include "experiments/program/help_format.h"
+#include "experiments/program/option_texts.h"
 #include "experiments/program/photons.h"
 #include "experiments/program/shipped_files.h"
 #include "experiments/results/result_folder.h"
@@ -42,34 +43,9 @@ constexpr const char* epsilon_help =
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
 
-std::map<std::string, std::string> assignments(const std::vector<std::string>& texts) {
-    std::map<std::string, std::string> values;
-    for (const auto& text : texts) {
-        const std::size_t equals = text.find('=');
-        if (equals == std::string::npos || equals == 0) reject({}, "--set needs NAME=VALUE, not '{}'", text);
-        if (!values.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
-            reject({}, "--set gives '{}' twice", text.substr(0, equals));
-    }
-    return values;
-}
-
 void add_threads(CLI::App* command, int& threads) {
     command->add_option("--threads", threads, "number of threads that compute (default: one per processor)")
         ->check(CLI::Range(1, most_threads));
-}
-
-/// The width and height in a text such as 640x480.
-std::pair<int, int> resolution_in(const std::string& text) {
-    const std::size_t x = text.find('x');
-    const auto size_of = [&](const std::string& part) {
-        const auto size = number_from<int>(part);
-        return size && *size >= 1 && *size <= most_pixels_across ? *size : 0;
-    };
-    const int width = size_of(text.substr(0, x)), height = x == std::string::npos ? 0 : size_of(text.substr(x + 1));
-    if (width == 0 || height == 0)
-        reject({}, "--resolution needs WIDTHxHEIGHT, such as 640x480, two numbers from 1 to {}, not '{}'",
-               most_pixels_across, text);
-    return {width, height};
 }
 
 /// The options that decide how a scene file is loaded.
@@ -95,15 +71,6 @@ struct ExecutorOptions {
     SlurmOptions slurm;
     std::vector<std::string> job;  ///< of run_job(): this process is a job
 };
-
-RunShare share_in(const std::string& text) {
-    const std::size_t slash = text.find('/');
-    const auto index = number_from<std::size_t>(text.substr(0, slash));
-    const auto count = slash == std::string::npos ? std::nullopt : number_from<std::size_t>(text.substr(slash + 1));
-    if (!index || !count || *index >= *count)
-        reject({}, "--share needs I/N with I from 0 to N - 1, such as 0/4, not '{}'", text);
-    return {*index, *count};
-}
 
 void add_executor(CLI::App* command, ExecutorOptions& executor) {
     command->add_option(
