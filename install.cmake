@@ -8,7 +8,7 @@ set_target_properties(gibench gib_images PROPERTIES INSTALL_RPATH_USE_LINK_PATH 
 
 # The scenes of an experiment are relative to its file. scripts/meshes makes the large meshes of scenes/meshes/generated/.
 file(GLOB experiment_files CONFIGURE_DEPENDS experiments/*.toml)
-install(FILES ${experiment_files} experiments/README.md DESTINATION share/gibench/experiments)
+install(FILES ${experiment_files} experiments/README.md experiments/MORE.md DESTINATION share/gibench/experiments)
 install(DIRECTORY scenes DESTINATION share/gibench PATTERN generated EXCLUDE)
 install(PROGRAMS scripts/meshes DESTINATION share/gibench/scripts)
 
