@@ -16,7 +16,7 @@ constexpr int feature_channels = 7;  // three of albedo and of normal, one of de
 constexpr int depth_channel = 6;
 constexpr std::size_t rows_per_block = 16;
 
-/// What decides the weights of one half: its colors and their variances.
+/// The data that decide the weights of one half: its colors and their variances.
 struct Colors {
     MirroredPlanes value, variance;
 };

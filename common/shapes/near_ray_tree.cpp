@@ -46,7 +46,7 @@ void note_hits(const RTCFilterFunctionNArguments* args) {
         }
 }
 
-/// How many pieces each segment is cut into: Embree's boxes around long segments of all directions overlap so much that a
+/// The number of pieces of each segment: Embree's boxes around long segments of all directions overlap so much that a
 /// ray enters most of them. Pieces have about the same length. More of them make queries faster (by a third with ten times as
 /// many, 80,000 beams in fog.xml), but the build slower.
 constexpr double pieces_per_item = 2;

@@ -1,5 +1,5 @@
 #pragma once
-// Which of many points, or of many segments, a ray passes within their radius: all of them, not only the closest. Embree
+// A tree of many points, or of many segments, finds all that a ray passes within their radius, not only the closest. Embree
 // finds them as discs that face the ray and as flat curves.
 
 #include "common/shapes/shape.h"

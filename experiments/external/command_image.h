@@ -8,7 +8,7 @@
 
 namespace gib {
 
-/// What an image's command is run with.
+/// The input of an image's command.
 struct ImageCommand {
     std::string name;     ///< in messages, such as "its command"
     std::string command;  ///< text for /bin/sh

@@ -19,7 +19,7 @@
 
 namespace gib {
 
-/// What is made of the images of a cell.
+/// The things that are made of the images of a cell.
 struct FilterRequest {
     bool non_local_means = false;             ///< filters them
     bool features = false, variance = false;  ///< adds layers for a filter that is a command

@@ -17,7 +17,7 @@ constexpr std::size_t nodes_of_small_tree = 64;
 // The probability to follow the field, which has no light in some directions from where light comes: the weight of the bsdf's
 // directions, at most twice that without a field, bounds what this costs.
 constexpr float selection = 0.5f;
-// What fewer visits have found is not known.
+// The light of leaves with fewer visits counts as unknown.
 constexpr std::uint64_t fewest_visits = 256;
 // Numbers of quanta in the unit, and in the largest value that is recorded whole. Sums hold more than 2^15 of these.
 constexpr double quanta_of_unit = 0x1p28, most_quanta = 0x1p47;

@@ -40,7 +40,7 @@ public:
         Vec3 size;  ///< of the cell [scene units]
     };
 
-    /// What the field knows about one place, until it learns again.
+    /// The field's knowledge of one place, until it learns again.
     class Distribution {
     public:
         struct Sample {

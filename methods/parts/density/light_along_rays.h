@@ -39,7 +39,7 @@
 
 namespace gib {
 
-/// How light in media is looked up.
+/// The look-up of light in media.
 enum class VolumeLookUp {
     points,  ///< photons around the end of a free flight (volume_estimate.h)
     ray,     ///< photons around the eye's ray
@@ -54,7 +54,7 @@ double line_kernel_weight(Kernel kernel, double d2, double r);
 class LightAlongRays {
 public:
     LightAlongRays() = default;
-    /// Of the walk's beams, if there are any, or else of its photons in media. `radius` [scene units].
+    /// The light of the walk's beams, if there are any, or else of its photons in media. `radius` [scene units].
     LightAlongRays(PhotonWalkResult walk, VolumeLookUp look_up, Kernel kernel, float radius,
                    bool estimates_bias = false);
 

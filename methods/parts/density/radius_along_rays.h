@@ -8,7 +8,7 @@
 
 namespace gib {
 
-/// How many paths from the lights the search needs for the radius of a map of `paths`: fewer would drown the bias in noise.
+/// The number of paths from the lights that the search needs for the radius of a map of `paths`: fewer would drown the bias in noise.
 std::uint64_t pilot_paths(std::uint64_t paths);
 /// The largest radius that the search tries with so many paths [scene units], `pilot`'s own radius.
 float longest_radius_along_rays(VolumeLookUp look_up, std::uint64_t pilot_paths, float diagonal);
