@@ -152,9 +152,14 @@ MethodDescription describe_guided_path() {
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
+            if (values.text("filter") != "none")
+                throw InputError(
+                    "a filter takes two halves of the passes: those of guided_path have weights and make no halves");
             return std::make_unique<GuidedPath>(
                 Settings{point_set_of(values), values.number("memory"), max_edges_of(values, defaults)});
         },
+        // A short pilot shows the variance before the field has learned.
+        .makes_references = false,
     };
 }
 

@@ -280,8 +280,8 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 /// and of the options that affect it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
-        // Shadow photons have tests of their own. Without them, the option `shadows` is refused.
-        return !is_one_of(name, gathering) && name != "shadows";
+        // Shadow photons, and light along rays in media, have tests of their own. Without the former, the option `shadows` is refused.
+        return !is_one_of(name, gathering) && name != "shadows" && name != "volume";
     });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
