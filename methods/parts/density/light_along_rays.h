@@ -5,15 +5,15 @@
 //
 //     L_m = integral from 0 to D of T(t) sigma_s(x_t) integral of p(-w, wi) L(x_t, wi) over wi, dt,   x_t = o + t w.
 //
-// Photon points (`ray`: Jarosz, Zwicker and Jensen 2008, "The Beam Radiance Estimate for Volumetric Photon Mapping",
-// equation 14; Jarosz et al. 2011, "A Comprehensive Theory of Volumetric Radiance Estimation using Photon Points and Beams",
-// section 4.2: point x beam, 2D blur). A photon at x_i has the value F_i = Phi_i / sigma_s [W m], whose sum over a volume is
+// Photon points (`ray`: Jarosz, Zwicker and Jensen 2008, "The Beam Radiance Estimate for Volumetric Photon
+// Mapping"; Jarosz et al. 2011, "A Comprehensive Theory of Volumetric Radiance Estimation using Photon Points and Beams":
+// point x beam, 2D blur). A photon at x_i has the value F_i = Phi_i / sigma_s [W m], whose sum over a volume is
 // the integral of fluence. It is spread over the disc of radius r through x_i that the ray pierces at a right angle:
 //
 //     L_m = sum of T(t_i) sigma_s(x_t) p(-w, wi) F_i K2(d_i),        K2 [1/m^2]: kernel_weight().
 //
-// Photon beams (`beams`: Jarosz et al. 2011, section 5.3, beam x beam, 1D blur; Jarosz, Nowrouzezahrai, Thomas, Sloan and
-// Zwicker 2011, "Progressive Photon Beams", equation 5). A beam has at the distance s from its beginning the power Phi(s)
+// Photon beams (`beams`: Jarosz et al. 2011, beam x beam, 1D blur; Jarosz, Nowrouzezahrai, Thomas, Sloan and
+// Zwicker 2011, "Progressive Photon Beams"). A beam has at the distance s from its beginning the power Phi(s)
 // [W], whose mean is Phi(0) T(s). It is spread, along the common perpendicular of beam and ray, over a ribbon of the width
 // 2 r. The length of the ray in the ribbon's slice dd is dd / sin theta, theta the angle between beam and ray, so that
 //
