@@ -4,6 +4,8 @@
 # nightly_tests.txt the suites and single tests with the label `nightly`.
 cmake_minimum_required(VERSION 3.25)
 set(tests_per_shard 50)
+# Suites of few tests that take long. They start early, so that none of them runs alone in the end.
+set(long_suites SamplerSuite VcmRadius PhotonOptions PhotonMapper TuneRun Metropolis FinalGather DirectSamples)
 
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE " *#[^\n]*" "" listed "${listed}")
@@ -21,6 +23,10 @@ set(entries "")
 # Adds the test NAME of ctest, which runs the tests that `filter` selects.
 function(add_entry name filter count labels)
   math(EXPR shards "(${count} + ${tests_per_shard} - 1) / ${tests_per_shard}")
+  set(cost ${count})
+  if(name IN_LIST long_suites)
+    set(cost 1000)
+  endif()
   foreach(shard RANGE 1 ${shards})
     set(entry ${name})
     set(environment "")
@@ -30,7 +36,7 @@ function(add_entry name filter count labels)
       set(environment " ENVIRONMENT \"GTEST_TOTAL_SHARDS=${shards};GTEST_SHARD_INDEX=${index}\"")
     endif()
     string(APPEND text "add_test([=[${entry}]=] \"${PROGRAM}\" [=[--gtest_filter=${filter}]=])\n"
-           "set_tests_properties([=[${entry}]=] PROPERTIES TIMEOUT ${SECONDS} COST ${count} LABELS \"${labels}\"${environment})\n")
+           "set_tests_properties([=[${entry}]=] PROPERTIES TIMEOUT ${SECONDS} COST ${cost} LABELS \"${labels}\"${environment})\n")
   endforeach()
   set(text "${text}" PARENT_SCOPE)
 endfunction()
