@@ -1,5 +1,6 @@
 #include "experiments/external/command_image.h"
 
+#include "common/core/error.h"
 #include "common/core/files.h"
 #include "common/images/image_file.h"
 
