@@ -122,7 +122,8 @@ bool GuidedDirections::survives(PathWalk& walk, float most, float u, Color& lost
 
 /// The light behind a vertex is what the path has found before it came to the next one, and what that place reflects: as the
 /// field knows it, which varies far less than what this path has found there (Dahm and Keller 2017, "Learning Light Transport
-/// the Reinforced Way"), or as the path has found it while the field does not know it.
+/// the Reinforced Way"), or as the path has found it while the field does not know it. Values that are not finite count as 0: the
+/// field is less right then, and no image is biased by that.
 void GuidedDirections::tell(RadianceField& field, const Sampler& sampler) const {
     constexpr std::uint64_t tag = 0x6775696465;  // of the numbers that blur the field
     const Sampler numbers = sampler.split(0, 1, tag);

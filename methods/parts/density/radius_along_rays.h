@@ -13,7 +13,7 @@ std::uint64_t pilot_paths(std::uint64_t paths);
 /// The largest radius that the search tries with so many paths [scene units], `pilot`'s own radius.
 float longest_radius_along_rays(VolumeLookUp look_up, std::uint64_t pilot_paths, float diagonal);
 
-/// What a search takes: `light` are the photons or beams of `pilot` paths, with the radius longest_radius_along_rays().
+/// The input of a search: `light` are the photons or beams of `pilot` paths, with the radius longest_radius_along_rays().
 struct RadiusSearch {
     const LightAlongRays& light;
     VolumeLookUp look_up;

@@ -39,12 +39,12 @@ TEST_P(VolumeLookUps, APencilOfLightHasItsClosedForm) {
     const double phase = (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g, 1.5));
     const double along = (std::exp(-sigma_t * 0.9) - std::exp(-sigma_t * 1.1)) / sigma_t / 0.04;
     const double expected = flux * albedo * sigma_t * phase * std::exp(-sigma_t) * along;
-    const std::string photons = GetParam() == "ray" ? "2e5" : "8000";
+    const std::string photons = GetParam() == "ray" ? "2e5" : "1e4";
     const std::string label =
         fmt::format("photon_mapper photons=0 caustic_photons=0 volume_photons={} volume_radius=0.01 volume={}", photons,
                     GetParam());
-    const Moments m = means_over_seeds(scene, 16, 8, Component::volume, label)[1];
-    EXPECT_LT(m.standard_error(), 0.006 * expected) << "the test would not see an error";
+    const Moments m = means_over_seeds(scene, 16, 12, Component::volume, label)[1];
+    EXPECT_LT(m.standard_error(), 0.003 * expected) << "the test would not see an error";
     EXPECT_NEAR(m.mean(), expected, 0.002 * expected + sigmas * m.standard_error());
 }
 

@@ -24,7 +24,7 @@ LoadedScene lit_fog() {
                                     number("sigma_t", sigma_t), number("albedo", albedo), "</medium>")));
 }
 
-/// What the fog scatters once into the ray at the distance `offset`: the integral over z of sigma_s / (4 pi) exp(-sigma_t rho)
+/// Light that the fog scatters once into the ray at the distance `offset`: the integral over z of sigma_s / (4 pi) exp(-sigma_t rho)
 /// / rho^2 exp(-sigma_t (1 + z)).
 double scattered_once() {
     constexpr int steps = 20000;
