@@ -175,8 +175,9 @@ void add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& an
         }
 }
 
-/// The path of the experiment file as it was typed.
+/// The path of the experiment file as it was typed; empty if there is none because the folder is that of a tuning.
 std::string experiment_file_of(const ResultFolder& folder) {
+    if (std::filesystem::exists(folder.file("tune.json"))) return "";
     try {
         return read_manifest(folder.file("manifest.json")).experiment_file;
     } catch (const InputError&) {

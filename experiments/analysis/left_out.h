@@ -19,4 +19,11 @@ std::string words_of(const Set& members, const std::string& quote = "") {
     return text;
 }
 
+/// "specular reflection; light of caustic, indirect"; empty if nothing is left out.
+inline std::string words_of(const LeftOut& left_out) {
+    const std::string effects = words_of(left_out.effects);
+    if (left_out.components.empty()) return effects;
+    return effects + (effects.empty() ? "" : "; ") + "light of " + words_of(left_out.components);
+}
+
 }  // namespace gib

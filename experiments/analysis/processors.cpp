@@ -75,6 +75,13 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     }
     if (methods.empty()) return std::nullopt;
     if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
+    if (experiment_file.empty())
+        return Warning{
+            .kind = Warning::Kind::busy_machine,
+            .scene = scene,
+            .sentence = fmt::format("the machine was busy, so that seconds are too long ({}); the same tuning "
+                                    "into another folder (`--out`) measures anew",
+                                    signs)};
     // One method is named by its label; --only names several of them by their scene.
     return Warning{.kind = Warning::Kind::busy_machine,
                    .scene = scene,

@@ -18,7 +18,7 @@ std::set<std::string> processors_of(const Runs& cells);
 std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
 
 /// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
-/// for a pass, and the command that measures them again. Empty if there are none.
+/// for a pass, and the command that measures them again (`experiment_file` is empty for a tuning). Empty if there are none.
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
                                     const std::string& experiment_file);
 

@@ -11,20 +11,19 @@ namespace gib {
 
 namespace {
 
-/// The logarithm of the time [s] at which a curve is first at or below the target; NaN if it never is.
+/// The logarithm of the time [s] from which on a curve is at or below the target; NaN if it ends above.
 double log_crossing(const std::vector<CurvePoint>& curve, double target) {
-    for (std::size_t i = 0; i < curve.size(); ++i) {
-        const CurvePoint& b = curve[i];
-        if (std::isnan(b.error) || b.error > target) continue;
-        // Without an earlier point to interpolate from, this checkpoint is the first time that is known to be enough.
-        if (i == 0 || !std::isfinite(curve[i - 1].error) || curve[i - 1].error <= target || !(b.error > 0) ||
-            !(curve[i - 1].seconds > 0))
-            return std::log(b.seconds);
-        const CurvePoint& a = curve[i - 1];
-        const double part = std::log(a.error / target) / std::log(a.error / b.error);
-        return std::log(a.seconds) + part * std::log(b.seconds / a.seconds);
-    }
-    return std::numeric_limits<double>::quiet_NaN();
+    std::size_t i = curve.size();  // the first point from which on all are
+    while (i > 0 && curve[i - 1].error <= target)
+        --i;
+    if (i == curve.size()) return std::numeric_limits<double>::quiet_NaN();
+    const CurvePoint& b = curve[i];
+    // Without an earlier point to interpolate from, this checkpoint is the first time that is known to be enough.
+    if (i == 0 || !std::isfinite(curve[i - 1].error) || !(b.error > 0) || !(curve[i - 1].seconds > 0))
+        return std::log(b.seconds);
+    const CurvePoint& a = curve[i - 1];
+    const double part = std::log(a.error / target) / std::log(a.error / b.error);
+    return std::log(a.seconds) + part * std::log(b.seconds / a.seconds);
 }
 
 /// By how much the end of an interval of mean +- half has to move because the values are skewed (Johnson 1978,

@@ -24,11 +24,7 @@ std::string named(const std::vector<std::string>& methods) {
 
 }  // namespace
 
-std::string left_out(const TableRow& row) {
-    const std::string effects = words_of(row.effects_missing);
-    if (row.components_missing.empty()) return effects;
-    return effects + (effects.empty() ? "" : "; ") + "light of " + words_of(row.components_missing);
-}
+std::string left_out(const TableRow& row) { return words_of({row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
     const Field share = bias_share_field(row);

@@ -13,7 +13,8 @@ namespace gib {
 
 namespace {
 
-constexpr double widest_interval = 30;  // ratio of the ends of an interval that is printed
+constexpr double widest_interval = 30;          // ratio of the ends of an interval that is printed
+constexpr double farthest_extrapolation = 100;  // times the longest run
 
 /// The curve over time, or over passes.
 std::vector<CurvePoint> curve_of(const Cell& cell, bool over_passes = false) {
@@ -87,13 +88,19 @@ Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<Pr
     return {likely, Interval{std::min(least, likely), std::max(most, likely)}};
 }
 
-/// The interval of an extrapolated time. It begins after the longest run that has not reached the target. One run tells no upper
-/// end, nor does an interval that is too wide to say anything.
-Interval told_interval(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
-    double lo = seconds.interval ? seconds.interval->lo : 0, hi = seconds.interval ? seconds.interval->hi : infinity;
+/// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
+/// contradicted by that run, and tells no upper end. One run tells none either, nor does an interval that is too wide to say
+/// anything, nor a time far beyond the runs.
+Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
+    double longest = 0;
     for (const Cell& cell : cells)
-        if (curve_of(cell).back().error > target) lo = std::max(lo, std::min(cell.last().seconds, seconds.value));
-    return {lo, hi > widest_interval * lo ? infinity : std::max(hi, lo)};
+        if (!(curve_of(cell).back().error <= target)) longest = std::max(longest, cell.last().seconds);
+    const double farthest = farthest_extrapolation * longest;
+    const double lo = std::clamp(seconds.interval ? seconds.interval->lo : 0, longest, farthest);
+    if (!(seconds.value > longest)) return {longest, Interval{longest, infinity}};
+    if (seconds.value > farthest) return {lo, Interval{lo, infinity}};
+    const double hi = seconds.interval ? seconds.interval->hi : infinity;
+    return {seconds.value, Interval{lo, hi > widest_interval * lo ? infinity : std::max(hi, lo)}};
 }
 
 /// The passes of a run after so many seconds at the pace of its last image.
@@ -152,8 +159,8 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
         return verdict;
     }
     verdict.state = Verdict::extrapolated;
-    verdict.seconds = is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target);
-    verdict.seconds.interval = told_interval(verdict.seconds, cells, target);
+    verdict.seconds = beyond_runs(
+        is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
 }

@@ -109,7 +109,7 @@ private:
         : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
         result_ = {.scene = scene.name, .target = file.target, .target_error = target_, .minutes = file.minutes};
         for (const SearchSpace& space : spaces)
-            result_.methods.push_back({space, runs_.is_unbiased(space.base())});
+            result_.methods.push_back({space, runs_.is_unbiased(space.base()), runs_.left_out(space.base())});
     }
 
     double seconds() const { return 60 * result_.minutes; }

@@ -1,5 +1,6 @@
 #include "experiments/tuning/tuning_result.h"
 
+#include "experiments/analysis/left_out.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/text/json_record.h"
 #include "experiments/text/numbers.h"
@@ -53,8 +54,11 @@ json parameters_of(const SearchSpace& space) {
 }  // namespace
 
 const FinalSetting* TuningResult::best() const {
+    const bool any_is_whole =
+        std::any_of(methods.begin(), methods.end(), [](const TunedMethod& m) { return m.left_out.empty(); });
     for (const FinalSetting& f : finals)
-        if (f.is_best && f.verdict.state == Verdict::measured) return &f;
+        if (f.is_best && f.verdict.state == Verdict::measured && !(any_is_whole && !methods[f.method].left_out.empty()))
+            return &f;
     return nullptr;
 }
 
@@ -88,7 +92,9 @@ std::string label_to_paste(const TuningResult& result, const FinalSetting& f) {
     return f.verdict.passes > 0 ? with_value(label, "spp", std::to_string(f.verdict.passes)).text() : label.text();
 }
 
-std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
+namespace {
+
+std::string time_text(const TuningResult& result, const FinalSetting& f) {
     const Verdict& verdict = f.verdict;
     const std::string end =
         fmt::format("{} % after {} s", percent(verdict.error), short_number(verdict.seconds_of_error));
@@ -114,6 +120,13 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
             break;
     }
     return "no run was measured";
+}
+
+}  // namespace
+
+std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
+    const std::string left_out = words_of(result.methods[f.method].left_out);
+    return time_text(result, f) + (left_out.empty() ? "" : ", leaves out " + left_out);
 }
 
 std::vector<std::string> tuning_lines(const TuningResult& result) {

@@ -1,6 +1,7 @@
 #pragma once
 // The findings of a tuning, as text and as the file from which the report's section is made.
 
+#include "experiments/results/layer.h"
 #include "experiments/tuning/halving_search.h"
 #include "experiments/tuning/time_estimate.h"
 
@@ -13,6 +14,7 @@ namespace gib {
 struct TunedMethod {
     SearchSpace space;
     bool is_unbiased = false;        ///< it leaves out nothing either, so that its error has no floor
+    LeftOut left_out = {};           ///< of the scene's effects and light
     std::vector<Trial> trials = {};  ///< all settings that were measured, the best first
 };
 
@@ -40,7 +42,8 @@ struct TuningResult {
     std::vector<std::string> notes = {};                          ///< steps that were cut short for lack of time
 
     MethodLabel label(const FinalSetting& f) const { return methods[f.method].space.label(f.setting); }
-    /// The first of the methods' best settings that has reached the target; null: none has.
+    /// The first of the methods' best settings that has reached the target, of those whose methods leave out least: nothing, or
+    /// something if every one leaves out something. Null: none has.
     const FinalSetting* best() const;
 };
 

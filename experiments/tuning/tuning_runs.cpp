@@ -26,9 +26,9 @@ namespace fs = std::filesystem;
 /// More passes than any budget lets a cell make.
 constexpr const char* endless_spp = "1000000000";
 constexpr const char* reference_entry = "reference";
-/// The variance of the reference is at most a quarter of the squared error that is asked for. It is subtracted from errors,
-/// but is itself known only to some per cent.
-constexpr double most_reference_error = 0.5;
+/// The reference goes on while its error is above this share of the target. Nothing is judged if it ends above the larger one: its
+/// variance is subtracted from squared errors, but is itself known only to some per cent, and is then as large as what is left.
+constexpr double wanted_reference_error = 0.5, most_reference_error = 0.7;
 
 /// Text as a TOML basic string.
 std::string quoted_toml(const std::string& text) {
@@ -100,7 +100,8 @@ void TuningRuns::spend(const std::string& name, double seconds) {
 
 std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     RunScene& scene = session_->setup.scenes.front();
-    const double target = parse_target(file_.target), most_error = most_reference_error * target;
+    const double target = parse_target(file_.target), wanted_error = wanted_reference_error * target,
+                 most_error = most_reference_error * target;
     std::optional<double> error;  // of the light that is judged; none: there is none
     const auto start = std::chrono::steady_clock::now();
     for (const double limit : {seconds, most_seconds}) {
@@ -112,8 +113,8 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         if (!judgement.is_empty())
             error = relative_standard_error(judgement.total(),
                                             judgement.denominators(judgement.epsilon(file_.head.epsilon)));
-        if (!error || *error <= most_error) break;
-        scene.entry.goal.target = most_error;  // what it goes on for
+        if (!error || *error <= wanted_error) break;
+        scene.entry.goal.target = wanted_error;  // what it goes on for
     }
     session_->write_index();  // with the notes on the reference
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -188,8 +189,11 @@ std::string TuningRuns::write_results(const std::string& tune_json) {
 }
 
 bool TuningRuns::is_unbiased(const MethodLabel& label) const {
-    const std::pair key{scene_.name, with_value(label, "spp", endless_spp).text()};
-    return find_method(label.name).unbiased && filter_of(label).empty() && session_->setup.left_out.at(key).empty();
+    return find_method(label.name).unbiased && filter_of(label).empty() && left_out(label).empty();
+}
+
+const LeftOut& TuningRuns::left_out(const MethodLabel& label) const {
+    return session_->setup.left_out.at({scene_.name, with_value(label, "spp", endless_spp).text()});
 }
 
 }  // namespace gib

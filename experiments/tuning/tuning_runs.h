@@ -24,7 +24,7 @@ public:
 
     /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. If it is above half
     /// of the target then, the reference goes on to `most_seconds` at most. Returns the words that say why it does not resolve the
-    /// target; empty: it does. Throws RunError if it cannot be made.
+    /// target (it is above seven tenths of it); empty: it does. Throws RunError if it cannot be made.
     std::string make_reference(double seconds, double most_seconds);
 
     struct Wanted {
@@ -50,6 +50,8 @@ public:
     double besides() const { return runs_ > 0 ? besides_ / runs_ : 0.6; }  // measured at 256 x 256 pixels on two cores
     /// Whether the method leaves out nothing of the scene and has no bias.
     bool is_unbiased(const MethodLabel& label) const;
+    /// Effects and light that the method leaves out in this scene.
+    const LeftOut& left_out(const MethodLabel& label) const;
 
 private:
     std::string experiment_text(const std::vector<MethodLabel>& labels, int seeds) const;

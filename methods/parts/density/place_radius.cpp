@@ -10,6 +10,12 @@ namespace {
 
 constexpr int probes = Accelerator::packet_size, probes_that_hit = 3;
 constexpr float least_share = 0x1p-12f;
+/// A disc spans at most 26 degrees of a curved surface to each side: light that turns with the normal changes by 5 % there.
+constexpr float level_cosine = 0.9f;
+
+bool is_level(const SurfaceHit& found, const Vec3& normal) {
+    return normal_towards(found, normal).dot(normal) > level_cosine;
+}
 
 /// Whether enough probes at this distance from the centre find its surface.
 bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float distance) {
@@ -28,7 +34,7 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
         rays.trace(std::span(tested).subspan(begin, end - begin), std::span(met).subspan(begin, end - begin));
         for (std::size_t i = begin; i < end && found < probes_that_hit; ++i)
             if (const auto there = rays.surface_hit({tested[i], met[i]}))
-                found += belongs_to(*there, hit, frame.n) ? 1 : 0;
+                found += belongs_to(*there, hit, frame.n) && is_level(*there, frame.n) ? 1 : 0;
         return found >= probes_that_hit;
     };
     return trace(0, probes_that_hit) || trace(probes_that_hit, probes);  // on large surfaces the first ones do

@@ -288,6 +288,13 @@ TEST(TimeToError, InterpolatesInTheLogarithms) {
     EXPECT_NEAR(time_to_error({{{1, nan}, {2, 0.05}}}, 0.1)->value, 2, 1e-12);
 }
 
+// A rare bright path raises the error of a run that had only not met it yet.
+TEST(TimeToError, CountsWhereTheCurveStaysBelow) {
+    const std::vector<CurvePoint> raised = {{1, 1}, {2, 0.05}, {4, 0.8}, {16, 0.2}, {64, 0.05}};
+    EXPECT_NEAR(time_to_error({raised}, 0.1)->value, 32, 1e-9) << "between 16 and 64 s, error = 0.8 / seconds^1/2";
+    EXPECT_FALSE(time_to_error({{{1, 1}, {2, 0.05}, {4, 0.8}}}, 0.1).has_value());
+}
+
 TEST(TimeToError, HasTheWiderIntervalOnTheSideOfTheLongerTail) {
     // Times of 1, 1 and 8 s: with l = log(2), the logarithms 0, 0 and 3 l have the mean l, the variance 3 l^2 and the third
     // central moment 2 l^3.

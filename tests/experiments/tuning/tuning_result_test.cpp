@@ -84,6 +84,19 @@ TEST(TuningResult, NamesChangesAndWhatCannotBeToldApart) {
     EXPECT_THAT(text, HasSubstr("\ncut: the search ended early\n"));
 }
 
+// The first method is three times as fast, but makes no image that shows all light.
+TEST(TuningResult, PrefersMethodsThatLeaveOutNothing) {
+    TuningResult result = example();
+    result.methods[0].left_out.components = {Component::caustic};
+    ASSERT_NE(result.best(), nullptr);
+    EXPECT_EQ(result.best()->method, 1u);
+    const auto lines = lines_of(tuning_text(result));
+    EXPECT_EQ(lines.front(), "path spp=100");
+    EXPECT_THAT(lines[lines.size() - 2], HasSubstr(" s, measured, leaves out light of caustic"));
+    result.methods[1].left_out.components = {Component::caustic};
+    EXPECT_EQ(result.best()->method, 0u) << "none makes all light";
+}
+
 TEST(TuningResult, HasAVerdictWhereNoMethodHasReachedTheTarget) {
     TuningResult result = example();
     result.finals.resize(2);
@@ -183,17 +196,17 @@ TEST_F(TuneRun, GoesOnAfterAnInterruption) {
 }
 
 TEST_F(TuneRun, StopsWhereTheReferenceDoesNotResolveTheTarget) {
-    const std::string tune = "tune tiny.xml --target 1% --method path --out r --minutes ";
+    const std::string tune = "tune tiny.xml --target 0.5% --method path --out r --minutes ";
     const ProgramResult coarse = gibench(tune + "0.001");
     EXPECT_EQ(coarse.code, 1);
-    EXPECT_THAT(coarse.err, HasSubstr("the reference does not resolve 1%: its own error is "));
+    EXPECT_THAT(coarse.err, HasSubstr("the reference does not resolve 0.5%: its own error is "));
     EXPECT_EQ(cells_in("r"), 0u) << "nothing is searched";
     // The tuning takes what the command makes that is named.
-    const auto begin = coarse.err.find("reference tiny.xml --target 0.25% -o results/references/");
+    const auto begin = coarse.err.find("reference tiny.xml --target 0.125% -o results/references/");
     ASSERT_NE(begin, std::string::npos) << coarse.err;
     ASSERT_EQ(gibench(coarse.err.substr(begin, coarse.err.find('\n', begin) - begin)).code, 0);
     const ProgramResult better = gibench(tune + "0.1");
-    EXPECT_THAT(better.out, ContainsRegex("path spp=[0-9]+: 1% after ")) << better.err;
+    EXPECT_THAT(better.out, ContainsRegex("path spp=[0-9]+: 0.5% after ")) << better.err;
 }
 
 TEST_F(TuneRun, EveryMethodHasAVerdict) {

@@ -152,6 +152,22 @@ TEST(Verdict, ExtrapolatedIntervalsBeginWhereTheRunsEnd) {
     }
 }
 
+// Rare bright paths raise the errors at the end, after 64 s. The laws of the other points say less than the runs have shown.
+TEST(Verdict, LiesBeyondARunThatARarePathHasRaised) {
+    std::vector<Cell> runs;
+    for (const double f : {0.9, 1.0, 1.1}) {
+        runs.push_back(run_at(1, 0, 6, f));
+        runs.back().checkpoints.push_back(checkpoint_of(64, 64, 0.36 * f));
+    }
+    for (const double target : {0.5, 0.2}) {
+        const Verdict v = verdict_of(runs, target, true);
+        ASSERT_EQ(v.state, Verdict::extrapolated);
+        EXPECT_GE(v.seconds.value, 64) << target;
+        EXPECT_GE(v.seconds.interval->lo, 64) << target;
+        EXPECT_TRUE(std::isinf(v.seconds.interval->hi)) << target;
+    }
+}
+
 TEST(Verdict, OfConvergedRunsIsTheirError) {
     std::vector<Cell> runs = {run_at(1, 0.01, 2), run_at(1, 0.01, 2, 1.1)};
     for (Cell& run : runs)
@@ -166,9 +182,11 @@ TEST(Verdict, OfAFewPointsOfAMethodWithBiasHasNoUpperEnd) {
     ASSERT_EQ(v.state, Verdict::extrapolated);
     ASSERT_TRUE(v.seconds.interval);
     EXPECT_TRUE(std::isinf(v.seconds.interval->hi));
-    const Verdict unbiased = verdict_of({run_at(1, 0, 3), run_at(1, 0, 3, 1.2)}, 0.02, true);
-    ASSERT_TRUE(unbiased.seconds.interval);
-    EXPECT_TRUE(std::isfinite(unbiased.seconds.interval->hi)) << "the floor is known to be 0";
+    const std::vector<Cell> unbiased = {run_at(1, 0, 3), run_at(1, 0, 3, 1.2)};
+    EXPECT_TRUE(std::isfinite(verdict_of(unbiased, 0.1, true).seconds.interval->hi)) << "the floor is known to be 0";
+    const Verdict far = verdict_of(unbiased, 0.02, true);
+    EXPECT_TRUE(std::isinf(far.seconds.interval->hi)) << "2500 s by runs of 4 s";
+    EXPECT_EQ(far.seconds.interval->lo, 400);
 }
 
 // 200 experiments with runs of 5 seeds, whose errors scatter by 10 %, and which end at twice the target.
