@@ -137,6 +137,8 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
         errors.push_back(curves.back().back().error);
     }
     Verdict verdict{.runs = cells.size()};
+    verdict.reached = static_cast<std::size_t>(
+        std::count_if(curves.begin(), curves.end(), [&](const auto& curve) { return crossing_time(curve, target); }));
     if (cells.empty()) return verdict;
     verdict.error = mean_over(cells, [&](const Cell& cell) { return curve_of(cell).back().error; });
     verdict.seconds_of_error = mean_over(cells, [](const Cell& cell) { return cell.last().seconds; });

@@ -29,7 +29,7 @@ struct Verdict {
         not_reachable,  ///< the law's floor, or the error of all converged runs, is above it
         no_image        ///< there is no run
     } state = no_image;
-    std::size_t runs = 0;
+    std::size_t runs = 0, reached = 0;  ///< runs, and how many of them have reached the target
     double error = 0,
            seconds_of_error = 0;         ///< relative RMSE of the final images and their time [s], means over the runs
     Estimate seconds = {NAN, {}};        ///< to the target, if it is measured or extrapolated [s]

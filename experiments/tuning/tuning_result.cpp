@@ -98,7 +98,10 @@ std::string time_text(const TuningResult& result, const FinalSetting& f) {
     const Verdict& verdict = f.verdict;
     const std::string end =
         fmt::format("{} % after {} s", percent(verdict.error), short_number(verdict.seconds_of_error));
-    const std::string runs = !f.is_fresh ? ", by the run that chose it" : verdict.runs == 1 ? ", one run" : "";
+    const std::string some = verdict.state == Verdict::extrapolated && verdict.reached > 0
+                                 ? fmt::format(", {} of {} runs have reached it", verdict.reached, verdict.runs)
+                                 : "";
+    const std::string runs = some + (!f.is_fresh ? ", by the run that chose it" : verdict.runs == 1 ? ", one run" : "");
     const auto& interval = verdict.seconds.interval;
     switch (verdict.state) {
         case Verdict::measured:

@@ -126,6 +126,7 @@ TEST(Verdict, IsExtrapolatedWhereARunHasNot) {
     EXPECT_EQ(v.state, Verdict::extrapolated);
     EXPECT_NEAR(v.seconds.value, 16, 1e-6) << "all runs have the same law";
     EXPECT_EQ(v.passes, 16u);
+    EXPECT_EQ(v.reached, 1u);
 }
 
 TEST(Verdict, IsNotReachableBelowAFloorThatTheRunsShow) {
