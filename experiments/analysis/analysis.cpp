@@ -10,6 +10,7 @@
 #include "experiments/analysis/same_method.h"
 #include "experiments/analysis/scene_light.h"
 #include "experiments/analysis/short_names.h"
+#include "experiments/analysis/unmet_light.h"
 #include "experiments/measuring/contradiction.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/plan/filter_label.h"
@@ -106,21 +107,30 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     std::vector<TableRow> rows;
     const Denominators& denominators = judgement.denominators(quality.epsilon);
     const std::vector<Image>& totals = replicates.totals;
+    const Cell& first = *replicates.cells.front();
+    const Components left_out = index.left_out_by(first.scene, first.method).components;
     if (judgement.is_empty()) {
         rows.push_back(plain_row(replicates, index, Layer::total));
     } else {
         rows.push_back(judged_row(replicates, index, Layer::total, totals, judgement.total(), denominators, quality));
         rows.back().flip = mean_flip(replicates, totals, denominators.plain(), folder);
     }
+    Image all_unmet(totals.front().width, totals.front().height);
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
             if (image[c]) images.push_back(*image[c]);
         if (images.size() != replicates.images.size()) continue;
-        if (const auto* reference = judgement.component(c))
+        if (const auto* reference = judgement.component(c)) {
             rows.push_back(judged_row(replicates, index, layer_of(c), images, *reference, denominators, quality));
-        else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
+            if (left_out.has(c)) continue;
+            const Image unmet = unmet_light(images, reference->mean);
+            allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
+            for (std::size_t i = 0; i < unmet.rgb.size(); ++i)
+                all_unmet.rgb[i] += unmet.rgb[i];
+        } else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
     }
+    if (!judgement.is_empty()) allow_for_unmet_light(rows.front(), totals, all_unmet, judgement.total(), denominators);
     return rows;
 }
 

@@ -41,7 +41,8 @@ Field bias_share_field(const TableRow& row) {
     const double sum = std::max(bias2->value, 0.0) + std::max(variance->value, 0.0);
     if (!(sum > 0) || !std::isfinite(sum)) return {};
     const auto share = [sum](double part) { return std::clamp(part / sum, 0.0, 1.0); };
-    if (!(bias2->interval->lo > 0) && share(bias2->interval->hi) >= 1) return {State::cannot_be_told};
+    constexpr double whole = 0.995;  // "below 100 %" says nothing
+    if (!(bias2->interval->lo > 0) && share(bias2->interval->hi) >= whole) return {State::cannot_be_told};
     return positive({share(bias2->value), Interval{share(bias2->interval->lo), share(bias2->interval->hi)}},
                     Unit::share);
 }

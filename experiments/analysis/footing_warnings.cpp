@@ -72,9 +72,10 @@ std::vector<Warning> footing_warnings(const Analysis& analysis) {
     UnresolvedRows groups;
     const TableRow* last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing.
+        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing, nor do
+        // those that have not met some light.
         if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
-            !row.components_missing.touches(row.layer) && row.footing->excess.interval)
+            !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
             groups[{row.scene, row.layer}].push_back(&row);
         if (!row.has_verdict(FootingVerdict::differs)) continue;
         // Rows of one method are joined in one sentence.
