@@ -45,7 +45,7 @@ struct Replicates {
         }
     }
     bool are_equal() const {
-        return std::all_of(totals.begin(), totals.end(), [&](const Image& x) { return x.rgb == totals.front().rgb; });
+        return std::ranges::all_of(totals, [&](const Image& x) { return x.rgb == totals.front().rgb; });
     }
 };
 
@@ -212,8 +212,8 @@ bool has_made(const std::string& method, const Reference& reference) {
     if (makers == reference.metadata.end())
         return only != reference.metadata.end() && MethodLabel::parse(only->second).name == method;
     const auto shares = shares_in(makers->second);
-    return std::any_of(shares.begin(), shares.end(),
-                       [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
+    return std::ranges::any_of(shares,
+                               [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
 
 /// The components of the reference that images of a method contradict (contradiction.h).

@@ -82,8 +82,7 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 /// Final gathering and the cache have biases of their own.
 std::optional<double> theoretical_exponent(const MethodLabel& rest, const std::string& parameter, Layer layer) {
     const auto value = [&](const char* key) {
-        const auto found =
-            std::find_if(rest.values.begin(), rest.values.end(), [&](const auto& v) { return v.first == key; });
+        const auto found = std::ranges::find_if(rest.values, [&](const auto& v) { return v.first == key; });
         return found == rest.values.end() ? std::string() : found->second;
     };
     const bool gathers = !value("gather").empty() && value("gather") != "0";
@@ -148,8 +147,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                             .parameter = key.second,
                             .rows = {rows.begin(), rows.end()},
                             .theory = theoretical_exponent(MethodLabel::parse(key.first), key.second, layer)};
-                if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.second->is_unbiased; }))
-                    continue;
+                if (std::ranges::all_of(rows, [](const auto& row) { return row.second->is_unbiased; })) continue;
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     if (row->is_unbiased || !row->statistics || !row->statistics->bias2) continue;

@@ -147,7 +147,7 @@ private:
             if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
             if (are_told_apart(own, c)) told_apart_.insert(c.method);
-            const auto found = std::find(now.doubts.ties.begin(), now.doubts.ties.end(), c.method);
+            const auto found = std::ranges::find(now.doubts.ties, c.method);
             if (told_apart_.count(c.method) == 0 && found == now.doubts.ties.end()) now.doubts.ties.push_back(c.method);
             if (told_apart_.count(c.method) > 0 && found != now.doubts.ties.end()) now.doubts.ties.erase(found);
         }

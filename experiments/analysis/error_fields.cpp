@@ -49,11 +49,9 @@ Field bias_share_field(const TableRow& row) {
 bool is_unbiased(const TableRow& row, const Components& components_left_out) {
     const MethodLabel label = MethodLabel::parse(row.method);
     const auto& methods = method_registry();
-    const auto method =
-        std::find_if(methods.begin(), methods.end(), [&](const auto& m) { return m.name == label.name; });
+    const auto method = std::ranges::find_if(methods, [&](const auto& m) { return m.name == label.name; });
     if (method == methods.end() || !method->unbiased || !row.effects_missing.empty() || row.nonfinite > 0) return false;
-    if (std::any_of(label.values.begin(), label.values.end(), [](const auto& v) { return v.first == "max_depth"; }))
-        return false;
+    if (std::ranges::any_of(label.values, [](const auto& v) { return v.first == "max_depth"; })) return false;
     if (!filter_of(label).empty()) return false;
     return !components_left_out.touches(row.layer);
 }

@@ -89,9 +89,8 @@ void add_curve_numbers(TableRow& row, const Runs& cells) {
     for (std::size_t t = 0; t < target_errors.size(); ++t) {
         if (!is_target_resolved(t, row.noise_floor)) continue;
         row.times[t] = time_to_error(curves, target_errors[t]);
-        row.reached[t] = static_cast<int>(std::count_if(curves.begin(), curves.end(), [&](const auto& curve) {
-            return crossing_time(curve, target_errors[t]).has_value();
-        }));
+        row.reached[t] = static_cast<int>(std::ranges::count_if(
+            curves, [&](const auto& curve) { return crossing_time(curve, target_errors[t]).has_value(); }));
     }
     row.law = price_law_of(cells, row.layer, row.noise_floor);
     row.last_halving = last_halving(cells, row.layer, row.noise_floor);

@@ -25,8 +25,8 @@ double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.
 
 /// The signs of a machine that was busy when it measured these runs; empty if there are none.
 std::string sign_of(const Runs& cells) {
-    const auto& longest = **std::max_element(cells.begin(), cells.end(),
-                                             [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
+    const auto& longest =
+        **std::ranges::max_element(cells, [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
     if (waited(longest) > largest_wait)
         return fmt::format("threads waited {:.2g} s for each second that they ran", waited(longest));
     double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;

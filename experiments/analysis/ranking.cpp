@@ -58,8 +58,7 @@ std::vector<Contender> ranked(std::vector<Contender> contenders) {
         const double mean = c.logs.empty() ? c.first_image : c.mean;
         return std::tuple(c.logs.empty(), !c.is_complete, !counts(c), std::isnan(mean) ? INFINITY : mean);
     };
-    std::stable_sort(contenders.begin(), contenders.end(),
-                     [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
+    std::ranges::stable_sort(contenders, [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
     const bool has_best = !contenders.empty() && counts(contenders.front());
     for (Contender& c : contenders) {
         if (has_best && &c != &contenders.front()) c.standing = standing_beside(contenders.front(), c);
@@ -75,7 +74,7 @@ const Contender* best_of(const std::vector<Contender>& ranking) {
 }
 
 const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
-    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
+    return *std::ranges::find_if(ranking, [&](const auto& c) { return c.method == method; });
 }
 
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {

@@ -31,7 +31,7 @@ std::map<SceneAndLabel, std::vector<LabelRuns>> runs_by_method(const Analysis& a
         // A command starts anew for each number of samples, so that its labels are runs of their own.
         const bool is_external = analysis.index.is_external(cell.method);
         auto& labels = methods[{cell.scene, is_external ? cell.method : label_without_spp(cell.method)}];
-        auto found = std::find_if(labels.begin(), labels.end(), [&](const auto& l) { return l.label == cell.method; });
+        auto found = std::ranges::find_if(labels, [&](const auto& l) { return l.label == cell.method; });
         if (found == labels.end()) found = labels.insert(labels.end(), {.label = cell.method});
         ++found->seeds;
         if (!cell.checkpoints.empty()) found->passes = std::max(found->passes, cell.last().passes);
@@ -51,14 +51,14 @@ Analysis one_label_a_method(const Analysis& analysis) {
     Analysis merged = analysis;
     std::set<SceneAndLabel> dropped;
     for (const auto& [key, labels] : runs_by_method(analysis)) {
-        const LabelRuns& longest = *std::max_element(labels.begin(), labels.end());
+        const LabelRuns& longest = *std::ranges::max_element(labels);
         std::vector<std::uint32_t> stops;
         for (const LabelRuns& runs : labels) {
             if (runs.label == longest.label) continue;
             dropped.insert({key.first, runs.label});
             stops.push_back(runs.passes);
         }
-        std::sort(stops.begin(), stops.end());
+        std::ranges::sort(stops);
         if (!stops.empty()) merged.stops[{key.first, longest.label}] = std::move(stops);
     }
     const auto is_dropped = [&](const auto& of) { return dropped.count({of.scene, of.method}) > 0; };

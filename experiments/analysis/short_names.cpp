@@ -23,13 +23,12 @@ std::string joined(const std::vector<Setting>& settings, const std::string& befo
 }
 
 bool has(const std::vector<Setting>& settings, const Setting& setting) {
-    return std::find(settings.begin(), settings.end(), setting) != settings.end();
+    return std::ranges::find(settings, setting) != settings.end();
 }
 
 /// The `spp` of a label says nothing if every run ended before: by its budget, or because it had converged.
 bool is_spp_reached(const Analysis& analysis, const std::string& label, double spp) {
-    return analysis.index.is_external(label) ||
-           std::any_of(analysis.cells.begin(), analysis.cells.end(), [&](const Cell& cell) {
+    return analysis.index.is_external(label) || std::ranges::any_of(analysis.cells, [&](const Cell& cell) {
                return cell.method == label && !cell.checkpoints.empty() && cell.last().passes >= spp;
            });
 }
@@ -43,7 +42,7 @@ std::vector<Setting> differing(const Group& group, const std::string& label, con
         const auto spp = setting.first == "spp" ? number_from<double>(setting.second) : std::nullopt;
         if (setting.first == "filter" && setting.second != no_filter) return false;
         return (spp && !is_spp_reached(analysis, label, *spp)) ||
-               std::all_of(group.begin(), group.end(), [&](const auto& other) { return has(other.second, setting); });
+               std::ranges::all_of(group, [&](const auto& other) { return has(other.second, setting); });
     });
     return settings;
 }

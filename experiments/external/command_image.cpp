@@ -57,8 +57,7 @@ Image image_of(const ImageCommand& command) {
         fail(command, fmt::format("its image has {} x {} pixels, the scene has {} x {}", image->width, image->height,
                                   command.width, command.height));
     if (const std::size_t bad = image->non_finite_values(); bad > 0) {
-        const auto first =
-            std::find_if(image->rgb.begin(), image->rgb.end(), [](float v) { return !std::isfinite(v); });
+        const auto first = std::ranges::find_if(image->rgb, [](float v) { return !std::isfinite(v); });
         const auto pixel = static_cast<int>((first - image->rgb.begin()) / 3);
         fail(command, fmt::format("{} of the {} values of its image are not finite, the first in column {} of row {}",
                                   bad, image->rgb.size(), pixel % image->width, pixel / image->width));

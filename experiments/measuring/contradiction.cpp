@@ -12,9 +12,7 @@ namespace {
 /// Significance level of one component of one method. An experiment has up to a hundred of them.
 constexpr double contradiction_alpha = 1e-4;
 
-bool contains(const std::vector<Component>& list, Component c) {
-    return std::find(list.begin(), list.end(), c) != list.end();
-}
+bool contains(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
 
 }  // namespace
 
@@ -26,8 +24,8 @@ std::optional<BlockTest> significant_difference(const ReferenceLayer& x, const R
             if (differing == Differing::brighter && test.deviation < 0) test.p = 1;
     const ZTestVerdict verdict = verdict_of({{"", std::move(layer)}}, {.alpha = alpha});
     if (!verdict.differs) return std::nullopt;
-    return std::min_element(verdict.scales.begin(), verdict.scales.end(),
-                            [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; })
+    return std::ranges::min_element(verdict.scales,
+                                    [](const auto& one, const auto& two) { return one.adjusted_p < two.adjusted_p; })
         ->largest;
 }
 
@@ -54,12 +52,11 @@ std::vector<Contradiction> contradictions(const Reference& reference, const std:
         if (!layer || images.empty() || contains(reference.unresolved, c)) continue;
         if (is_black(layer->mean)) {
             const auto is_lit = [](const Image& image) { return !is_black(image); };
-            if (std::any_of(images.begin(), images.end(), is_lit)) found.push_back({c, true, {}});
+            if (std::ranges::any_of(images, is_lit)) found.push_back({c, true, {}});
             continue;
         }
         const auto is_finite = [](const Image& image) { return image.non_finite_values() == 0; };
-        if (images.size() < 2 || !contains(unbiased_for, c) || !std::all_of(images.begin(), images.end(), is_finite))
-            continue;
+        if (images.size() < 2 || !contains(unbiased_for, c) || !std::ranges::all_of(images, is_finite)) continue;
         if (const auto where = significant_difference(layer_of_groups(std::move(images)), *layer, contradiction_alpha,
                                                       Differing::brighter))
             found.push_back({c, false, *where});

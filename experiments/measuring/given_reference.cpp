@@ -15,7 +15,7 @@ bool is_sound(const ReferenceLayer& layer) {
     if (!layer.standard_error) return true;
     const auto& values = layer.standard_error->rgb;
     return layer.standard_error->non_finite_values() == 0 &&
-           std::none_of(values.begin(), values.end(), [](float v) { return v < 0; });
+           std::ranges::none_of(values, [](float v) { return v < 0; });
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ public:
             const ReferenceMaker& maker =
                 makers_.emplace_back(*method, work.label, work.scene, work.label.name == auto_reference);
             std::erase_if(unresolved_, [&](Component c) {
-                return std::find(maker.unresolved().begin(), maker.unresolved().end(), c) == maker.unresolved().end();
+                return std::ranges::find(maker.unresolved(), c) == maker.unresolved().end();
             });
             shares_.push_back({maker.name(), 1, {}});
             shares_.back().weights.fill(1);
@@ -194,7 +194,7 @@ private:
     bool may_make(const std::vector<ReferenceBatch>& batches, const std::vector<ReferenceBatch>& ahead) {
         if (!work_.most_own_work) return true;
         const auto there = [&](const ReferenceBatch& batch) { return batches_.has(batch); };
-        if (std::all_of(batches.begin(), batches.end(), there)) return true;
+        if (std::ranges::all_of(batches, there)) return true;
         if (schedule_.work_left(state(), shares_) <= *work_.most_own_work) return true;
         for (const ReferenceBatch& batch : ahead)
             if (!there(batch)) result_.missing.push_back(batch);
@@ -301,12 +301,11 @@ private:
     void leave_out_lacking() {
         const auto samples = [&](std::size_t m, Component c) {
             const auto& unresolved = makers_[m].unresolved();
-            return std::find(unresolved.begin(), unresolved.end(), c) == unresolved.end() && !lacks_.count({m, c});
+            return std::ranges::find(unresolved, c) == unresolved.end() && !lacks_.count({m, c});
         };
         const std::vector<Disagreement> all = agreement_.between_makers(samples);
-        const auto found = std::find_if(all.begin(), all.end(), [&](const Disagreement& one) {
-            return shares_[one.lesser()].weight(one.component) > 0;
-        });
+        const auto found = std::ranges::find_if(
+            all, [&](const Disagreement& one) { return shares_[one.lesser()].weight(one.component) > 0; });
         if (found == all.end()) return;
         const Component c = found->component;
         lacks_.emplace(found->lesser(), c);
@@ -323,7 +322,7 @@ private:
     /// Leaves the components unresolved about which a pilot and the finished reference disagree.
     void compare_with_pilots() {
         for (const Disagreement& found : agreement_.with_pilots(groups_.groups())) {
-            if (std::find(unresolved_.begin(), unresolved_.end(), found.component) == unresolved_.end())
+            if (std::ranges::find(unresolved_, found.component) == unresolved_.end())
                 unresolved_.push_back(found.component);
             unsaved_ = unsaved_ || result_.rounds_added > 0;  // else the file says so already
             lacking_.push_back(

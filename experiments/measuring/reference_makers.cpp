@@ -25,9 +25,7 @@ constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes n
 /// tell: by 8 % where it was measured, the bidirectional method in cornell-box.xml.
 constexpr double least_gain = 1.1;
 
-bool has(const std::vector<Component>& list, Component c) {
-    return std::find(list.begin(), list.end(), c) != list.end();
-}
+bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
 
 /// Mean over the groups, and the variance of this mean, of each value.
 struct GroupMoments {
@@ -73,9 +71,8 @@ public:
     /// Whether some maker has seen light of the component.
     bool is_lit(Component c) const {
         const auto has_light = [&](const ComponentImages& group) { return group[c] && !is_black(*group[c]); };
-        return std::any_of(pilots_.begin(), pilots_.end(), [&](const MakerPilot& pilot) {
-            return std::any_of(pilot.groups.begin(), pilot.groups.end(), has_light);
-        });
+        return std::ranges::any_of(
+            pilots_, [&](const MakerPilot& pilot) { return std::ranges::any_of(pilot.groups, has_light); });
     }
     const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
     double work_of_pass(std::size_t m) const {
@@ -104,7 +101,7 @@ private:
                 total[i] += sum[i] / makers;
         }
         Image mean(blocks.front().front().width, blocks.front().front().height);
-        std::transform(total.begin(), total.end(), mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
+        std::ranges::transform(total, mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
         const double epsilon = epsilon_of(given, mean);
         for (const double r : total)
             denominators_.push_back(r * r + epsilon);
@@ -140,7 +137,7 @@ private:
                 if (const auto block = disagreement(blocks[a], blocks[b], c, lacking_alpha, Differing::either_way))
                     left[block->deviation < 0 ? a : b] = std::numeric_limits<double>::infinity();
             }
-        if (std::any_of(left.begin(), left.end(), [](double cost) { return std::isfinite(cost); })) costs = left;
+        if (std::ranges::any_of(left, [](double cost) { return std::isfinite(cost); })) costs = left;
     }
 
     /// Mean over pixels and channels of the relative variance of the mean over all groups.
@@ -300,10 +297,10 @@ void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>
         bool is_made = false;
         for (std::size_t m = 0; m < work.size(); ++m)
             is_made = is_made || (std::isfinite(of_component[m]) && (needed[m] || work[m] >= least_share_of_work));
-        const auto best = std::min_element(of_component.begin(), of_component.end());
+        const auto best = std::ranges::min_element(of_component);
         if (!is_made && std::isfinite(*best)) needed[static_cast<std::size_t>(best - of_component.begin())] = true;
     }
-    const auto first = static_cast<std::size_t>(std::max_element(work.begin(), work.end()) - work.begin());
+    const auto first = static_cast<std::size_t>(std::ranges::max_element(work) - work.begin());
     const auto is_busy = [&](std::size_t m) { return m != first && (needed[m] || work[m] >= second_opinion); };
     bool has_second = false;
     for (std::size_t m = 0; m < work.size(); ++m)
@@ -323,9 +320,9 @@ std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabe
                                      std::uint64_t passes) {
     const std::vector<Parameter> declared = all_parameters(method);
     const auto has_name = [](const Parameter& parameter) { return parameter.name == first_pass_name; };
-    const bool is_given = std::any_of(label.values.begin(), label.values.end(),
-                                      [](const auto& value) { return value.first == first_pass_name; });
-    if (passes > 0 && !is_given && std::any_of(declared.begin(), declared.end(), has_name))
+    const bool is_given =
+        std::ranges::any_of(label.values, [](const auto& value) { return value.first == first_pass_name; });
+    if (passes > 0 && !is_given && std::ranges::any_of(declared, has_name))
         label.values.emplace_back(first_pass_name, std::to_string(passes));
     return method.create(ParameterValues(declared, label), {max_edges});
 }
@@ -390,7 +387,7 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
     std::vector<double> alone;  // infinite for a maker that cannot make everything
     for (std::size_t m = 0; m < methods.size(); ++m)
         alone.push_back(sum_of_costs(judged, m, false));
-    const auto best = std::min_element(alone.begin(), alone.end());
+    const auto best = std::ranges::min_element(alone);
     if (!judged.empty() && std::isfinite(*best)) {
         std::vector<double> few(methods.size(), 0);
         few[static_cast<std::size_t>(best - alone.begin())] = 1;

@@ -20,8 +20,8 @@ void move_towards(std::optional<Image>& mean, const std::optional<Image>& batch,
     if (mean.has_value() != batch.has_value()) throw RunError("the batches of a reference have different components");
     if (!mean) return;
     for (std::size_t i = 0; i < mean->rgb.size(); ++i) {
-        const auto old = static_cast<double>(mean->rgb[i]);
-        mean->rgb[i] = static_cast<float>(old + (static_cast<double>(batch->rgb[i]) - old) * share);
+        const auto old = double{mean->rgb[i]};
+        mean->rgb[i] = static_cast<float>(old + (double{batch->rgb[i]} - old) * share);
     }
 }
 

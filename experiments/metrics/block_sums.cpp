@@ -19,11 +19,11 @@ double replicates_of(const ReferenceLayer& layer) {
 }
 
 void add_pixel(BlockSide& side, const ReferenceLayer& layer, std::size_t i) {
-    side.sum += static_cast<double>(layer.mean.rgb[i]);
+    side.sum += double{layer.mean.rgb[i]};
     if (layer.standard_error) {
         // The spread needs the square of the true variance. The square of a variance that is estimated from m normal
         // values is on average (m + 1) / (m - 1) times as large; so v^2 / (m - 1) becomes v^2 / (m + 1).
-        const double v = sqr(static_cast<double>(layer.standard_error->rgb[i]));
+        const double v = sqr(double{layer.standard_error->rgb[i]});
         side.variance.add({v, sqr(v) / (replicates_of(layer) + 1)});
     }
     for (const ReferenceLayer& bias : layer.bias) {
@@ -64,7 +64,7 @@ BlockSums sums_in_block(const ReferenceLayer& x, const ReferenceLayer& r, std::s
         sums.box.extend(Eigen::Vector2i(column, row));
         add_pixel(sums.x, x, i);
         add_pixel(sums.r, r, i);
-        differences.push_back(static_cast<double>(x.mean.rgb[i]) - static_cast<double>(r.mean.rgb[i]));
+        differences.push_back(double{x.mean.rgb[i]} - double{r.mean.rgb[i]});
         sums.equal = sums.equal && differences.back() == 0;
     });
     sums.pixels = static_cast<double>(differences.size());

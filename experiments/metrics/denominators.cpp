@@ -66,7 +66,7 @@ std::vector<double> window_means(const std::vector<double>& values, int width, i
 Image smoothed(const std::vector<double>& r, const std::vector<double>& variance, int width, int height) {
     const std::vector<double> mean = window_means(r, width, height), noise = window_means(variance, width, height);
     std::vector<double> squares(r.size());
-    std::transform(r.begin(), r.end(), squares.begin(), [](double v) { return v * v; });
+    std::ranges::transform(r, squares.begin(), [](double v) { return v * v; });
     squares = window_means(squares, width, height);
     Image image(width, height);
     for (std::size_t i = 0; i < r.size(); ++i) {

@@ -141,7 +141,7 @@ Image displayed(const Image& image, double exposure) {
     Image result(image.width, image.height);
     parallel_blocks(image.rgb.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i)
-            result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, static_cast<double>(image.rgb[i]))));
+            result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, double{image.rgb[i]})));
     });
     return result;
 }
@@ -159,8 +159,7 @@ ExposureRange flip_exposures(const Image& reference) {
     std::vector<float> luminances;
     for (std::size_t i = 0; i < reference.pixels(); ++i)
         luminances.push_back(luminance(reference.at(i).max(0.f)));
-    const double largest =
-        luminances.empty() ? 0 : static_cast<double>(*std::max_element(luminances.begin(), luminances.end()));
+    const double largest = luminances.empty() ? 0 : static_cast<double>(*std::ranges::max_element(luminances));
     if (largest == 0) return {0, 0, 2};
     const double darkest = std::ldexp(largest, -24);
     double median = median_of(luminances);

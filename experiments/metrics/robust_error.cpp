@@ -17,14 +17,14 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 std::vector<double> errors_of_pixels(const Image& x, const Image& r, const Image& r_total, double epsilon) {
     std::vector<double> errors(x.pixels(), 0.0);
     for (std::size_t i = 0; i < x.rgb.size(); ++i) {
-        const double error2 = sqr(static_cast<double>(x.rgb[i]) - static_cast<double>(r.rgb[i]));
-        errors[i / 3] += error2 / (sqr(static_cast<double>(r_total.rgb[i])) + epsilon) / 3;
+        const double error2 = sqr(double{x.rgb[i]} - double{r.rgb[i]});
+        errors[i / 3] += error2 / (sqr(double{r_total.rgb[i]}) + epsilon) / 3;
     }
     return errors;
 }
 
 bool all_finite(const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    return std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
 }
 
 }  // namespace

@@ -35,9 +35,7 @@ Size size_of(const Image& image) {
 Field channel_mean(const Image& image) {
     Field mean(image.pixels());
     for (std::size_t p = 0; p < mean.size(); ++p)
-        mean[p] = (static_cast<double>(image.rgb[3 * p]) + static_cast<double>(image.rgb[3 * p + 1]) +
-                   static_cast<double>(image.rgb[3 * p + 2])) /
-                  3;
+        mean[p] = (double{image.rgb[3 * p]} + double{image.rgb[3 * p + 1]} + double{image.rgb[3 * p + 2]}) / 3;
     return mean;
 }
 
@@ -333,7 +331,7 @@ std::optional<NoiseSpectrum> pooled_spectrum(const std::vector<Image>& replicate
                                              double sigma) {
     const Size size = size_of(reference);
     const WhitenedNoise noise = whitened_noise(replicates, reference, sigma);
-    if (std::none_of(noise.mask.begin(), noise.mask.end(), [](double kept) { return kept > 0; })) return std::nullopt;
+    if (std::ranges::none_of(noise.mask, [](double kept) { return kept > 0; })) return std::nullopt;
     const Correlations correlations(noise.replicates, noise.mask, size);
     const Field power = power_through_mask(correlations, size, flat_top);
 

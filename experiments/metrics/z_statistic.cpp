@@ -173,7 +173,7 @@ MeanDeviation mean_deviation(const BlockSums& image, const NoiseOfBlock& noise, 
 double channel_sum(const Image& image, std::size_t channel) {
     double sum = 0;
     for (std::size_t i = channel; i < image.rgb.size(); i += 3)
-        sum += static_cast<double>(image.rgb[i]);
+        sum += double{image.rgb[i]};
     return sum;
 }
 
@@ -201,7 +201,7 @@ void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image&
 /// The number of hypotheses that are rejected by the procedure of Holm (1979): in the order of their p, each is
 /// compared with alpha over the number of hypotheses that are left.
 std::size_t rejected_by_holm(std::vector<double> p, double alpha) {
-    std::sort(p.begin(), p.end());
+    std::ranges::sort(p);
     std::size_t rejected = 0;
     while (rejected < p.size() && p[rejected] <= alpha / static_cast<double>(p.size() - rejected))
         ++rejected;

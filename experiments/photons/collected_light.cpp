@@ -11,7 +11,7 @@ namespace gib {
 
 void require_stored_light(const MethodLabel& method) {
     const auto names = names_of_methods_that_store_light();
-    if (std::find(names.begin(), names.end(), method.name) == names.end())
+    if (std::ranges::find(names, method.name) == names.end())
         reject({}, "'{}' stores no photons, irradiance records or patches that could be shown; methods that do: {}",
                method.name, fmt::join(names, ", "));
 }

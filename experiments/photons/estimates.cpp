@@ -23,8 +23,7 @@ const Parameter* declared_k(const ConfiguredMethod& method) {
 
 /// The method with another k.
 ConfiguredMethod with_k(MethodLabel label, const std::string& k) {
-    const auto given =
-        std::find_if(label.values.begin(), label.values.end(), [](const auto& v) { return v.first == "k"; });
+    const auto given = std::ranges::find_if(label.values, [](const auto& v) { return v.first == "k"; });
     if (given != label.values.end()) given->second = k;
     else label.values.emplace_back("k", k);
     return ConfiguredMethod(std::move(label));

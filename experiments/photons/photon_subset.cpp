@@ -16,7 +16,7 @@ void PhotonSubset::keep_least(std::vector<Shown>& photons, std::size_t count) {
 }
 
 void PhotonSubset::add(const StoredPhotons& stored, std::uint32_t pass) {
-    auto map = std::find_if(maps_.begin(), maps_.end(), [&](const Map& m) { return m.name == stored.map; });
+    auto map = std::ranges::find_if(maps_, [&](const Map& m) { return m.name == stored.map; });
     if (map == maps_.end()) {
         maps_.push_back({.name = std::string(stored.map), .unit = stored.unit, .shown = {}});
         map = maps_.end() - 1;
@@ -42,8 +42,7 @@ std::vector<PhotonSubset::Map> PhotonSubset::maps() const {
     const std::vector<std::size_t> shares = even_shares(counts, most_);
     for (std::size_t i = 0; i < maps.size(); ++i) {
         keep_least(maps[i].shown, shares[i]);
-        std::sort(maps[i].shown.begin(), maps[i].shown.end(),
-                  [](const Shown& a, const Shown& b) { return a.number < b.number; });
+        std::ranges::sort(maps[i].shown, [](const Shown& a, const Shown& b) { return a.number < b.number; });
     }
     return maps;
 }

@@ -126,7 +126,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     MethodSweep further(reader, find_comparable_method(label.name, where), label);
     const auto own = names_of(experiment_keys(), "[reference]");
     for (const auto& entry : reader.entries(table))
-        if (std::find(own.begin(), own.end(), entry.key) == own.end()) further.add(entry);
+        if (std::ranges::find(own, entry.key) == own.end()) further.add(entry);
     const auto labels = further.labels(where);
     if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
     experiment.reference_method = {name, labels.front().values};

@@ -15,7 +15,7 @@ namespace gib {
 namespace {
 
 bool is_one_of(std::string_view word, const std::vector<std::string>& words) {
-    return std::find(words.begin(), words.end(), word) != words.end();
+    return std::ranges::find(words, word) != words.end();
 }
 
 std::string read_choice(const TomlReader& reader, const toml::node& node, const std::string& key,
@@ -33,7 +33,7 @@ std::string read_name(const TomlReader& reader, const toml::node& node) {
     const auto& registry = method_registry();
     if (label.name != name) reject(reader.at(node), "the name of a method with a command is one word, not '{}'", name);
     if (name == auto_reference ||
-        std::any_of(registry.begin(), registry.end(), [&](const auto& method) { return method.name == name; }))
+        std::ranges::any_of(registry, [&](const auto& method) { return method.name == name; }))
         reject(reader.at(node), "'{}' is a method of gibench; a method with a command needs another name", name);
     return name;
 }

@@ -38,7 +38,7 @@ std::string FilterCommands::name_of(const TomlReader& reader, const toml::node& 
                    no_filter, non_local_means_filter, text,
                    did_you_mean(text, {std::string(no_filter), std::string(non_local_means_filter)}));
     for (const std::string& name : command.placeholders())
-        if (const auto& known = filter_placeholders(); std::find(known.begin(), known.end(), name) == known.end())
+        if (const auto& known = filter_placeholders(); std::ranges::find(known, name) == known.end())
             reject(where, "the placeholder {{{}}} has no value: there are {}", name, fmt::join(known, ", "));
     for (int i = 1;; ++i) {
         const std::string name = program_of(text) + (i == 1 ? "" : fmt::format("-{}", i));

@@ -31,11 +31,10 @@ std::vector<std::string> options_of(const CLI::App& command) {
 
 bool is_parameter(const std::string& name) {
     const auto has = [&](const std::vector<Parameter>& parameters) {
-        return std::any_of(parameters.begin(), parameters.end(), [&](const auto& p) { return p.name == name; });
+        return std::ranges::any_of(parameters, [&](const auto& p) { return p.name == name; });
     };
     const auto& methods = method_registry();
-    return has(shared_parameters()) ||
-           std::any_of(methods.begin(), methods.end(), [&](const auto& m) { return has(m.parameters); });
+    return has(shared_parameters()) || std::ranges::any_of(methods, [&](const auto& m) { return has(m.parameters); });
 }
 
 /// Advice about a word that a command does not expect.
@@ -58,9 +57,8 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
     const auto known = commands_of(*command);
     const auto extras = command->remaining();
     // The words stand in their order on the command line, which the parser does not keep.
-    const auto wrong = std::find_if(words.begin(), words.end(), [&](const std::string& word) {
-        return std::find(extras.begin(), extras.end(), word) != extras.end();
-    });
+    const auto wrong = std::ranges::find_if(
+        words, [&](const std::string& word) { return std::ranges::find(extras, word) != extras.end(); });
     const std::string path = command == &app ? "gibench" : "gibench " + command->get_name();
     if (!known.empty() && wrong == words.end())
         return fmt::format("{} needs a command; there are: {}", path, fmt::join(known, ", "));

@@ -56,14 +56,14 @@ std::vector<std::string> plan_lines(const ConfiguredMethod& method, const Loaded
 }
 
 bool has_line(const std::vector<std::string>& lines, const std::string& line) {
-    return std::find(lines.begin(), lines.end(), line) != lines.end();
+    return std::ranges::find(lines, line) != lines.end();
 }
 
 /// The lines that all methods have, which are printed once.
 std::vector<std::string> common_lines(const std::vector<std::vector<std::string>>& methods) {
     std::vector<std::string> common = methods.front();
     std::erase_if(common, [&](const std::string& line) {
-        return !std::all_of(methods.begin(), methods.end(), [&](const auto& lines) { return has_line(lines, line); });
+        return !std::ranges::all_of(methods, [&](const auto& lines) { return has_line(lines, line); });
     });
     return common;
 }
@@ -96,8 +96,7 @@ std::string darkness(const Scene& scene) {
 /// that have. A run that has made no reference yet is accepted, because it has no tables to lose.
 void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
     const auto& scenes = analysis.index.scenes;
-    const bool had_one =
-        std::any_of(scenes.begin(), scenes.end(), [](const IndexScene& scene) { return !scene.reference.empty(); });
+    const bool had_one = std::ranges::any_of(scenes, [](const IndexScene& scene) { return !scene.reference.empty(); });
     if (had_one && analysis.references.empty())
         throw InputError(
             fmt::format("no scene of '{}' has a reference that can be read: its tables and its report "

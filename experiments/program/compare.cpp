@@ -47,7 +47,7 @@ Json channel_means(const std::vector<Image>& images) {
         double sum = 0, count = 0;
         for (const Image& image : images) {
             for (std::size_t p = 0; p < image.pixels(); ++p)
-                sum += static_cast<double>(image.rgb[3 * p + k]);
+                sum += double{image.rgb[3 * p + k]};
             count += static_cast<double>(image.pixels());
         }
         means.push_back(number_to_json<Json>(sum / count));
@@ -228,7 +228,7 @@ void print_text(const std::string& title, const Json& json, std::ostream& out) {
 /// Whether a component holds no light in any image.
 bool is_black(const Json& values) {
     const auto is_zero = [](const Json& v) { return v.is_number() && v.get<double>() == 0; };
-    const auto all_zero = [&](const char* key) { return std::all_of(values[key].begin(), values[key].end(), is_zero); };
+    const auto all_zero = [&](const char* key) { return std::ranges::all_of(values[key], is_zero); };
     return is_zero(values["mse"]) && all_zero("mean") && all_zero("reference_mean");
 }
 
@@ -272,7 +272,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
         const std::string name(name_of(c));
         const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
         const ReferenceLayer* layer = judgement.component(c);
-        if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
+        if (!layer || !std::ranges::all_of(files, has_it)) continue;
         require_finite(options.reference, name, *layer);
         subjects.emplace_back(name, Subject{{}, *layer, denominators});
         for (const LayeredImage& file : files)

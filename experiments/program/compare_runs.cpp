@@ -44,8 +44,8 @@ std::string value_text(const Change& change, double value) {
 }
 
 std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict) {
-    return static_cast<std::size_t>(std::count_if(comparison.changes.begin(), comparison.changes.end(),
-                                                  [&](const Change& change) { return change.verdict == verdict; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(comparison.changes, [&](const Change& change) { return change.verdict == verdict; }));
 }
 
 std::string summary(const RunComparison& comparison) {

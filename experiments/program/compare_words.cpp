@@ -23,7 +23,7 @@ Image mean_of(const std::vector<Image>& images) {
     for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
         double sum = 0;
         for (const Image& image : images)
-            sum += static_cast<double>(image.rgb[i]);
+            sum += double{image.rgb[i]};
         mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
     }
     return mean;
@@ -160,9 +160,8 @@ std::string doubts_about_image(const Image& image, const Image& other) {
         add(fmt::format("it has {} different values only, as an image of 8 bits has", levels.size()));
     // A lamp in the picture has many pixels of one value, too, but so it has in the other image.
     const float largest = *levels.rbegin();
-    const auto is_largest = std::count(image.rgb.begin(), image.rgb.end(), largest);
-    const auto is_above =
-        std::count_if(other.rgb.begin(), other.rgb.end(), [&](float value) { return value > 1.05f * largest; });
+    const auto is_largest = std::ranges::count(image.rgb, largest);
+    const auto is_above = std::ranges::count_if(other.rgb, [&](float value) { return value > 1.05f * largest; });
     if (largest > 0 && is_largest >= 4 && 2 * is_above >= is_largest)
         add(fmt::format("it is clipped at {}, where the other is brighter", short_number(double{largest})));
     if (is_grey(image) && !is_grey(other)) add("it is grey, and the other has colours");

@@ -70,7 +70,7 @@ private:
                                        std::pair(&pair.after, &pair.change.after_is_floor)})
                 if (floor > 0 && c->mean <= floor) {
                     c->mean = floor;
-                    std::fill(c->logs.begin(), c->logs.end(), std::log(floor));
+                    std::ranges::fill(c->logs, std::log(floor));
                     *is_floor = true;
                 }
         }

@@ -19,7 +19,7 @@ std::vector<std::string> names_in(const fs::path& folder, std::string_view exten
     if (fs::is_directory(folder))
         for (const auto& entry : fs::directory_iterator(folder))
             if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     return names;
 }
 
@@ -28,8 +28,7 @@ std::string file_or_shipped(const std::string& path_or_name, std::string_view ki
     if (fs::exists(path_or_name)) return path_or_name;
     const fs::path folder(shipped_folder(fmt::format("{}s", kind)));
     const auto names = names_in(folder, extension);
-    if (std::find(names.begin(), names.end(), path_or_name) != names.end())
-        return (folder / (path_or_name + extension)).string();
+    if (std::ranges::find(names, path_or_name) != names.end()) return (folder / (path_or_name + extension)).string();
     const fs::path path(path_or_name);
     std::string nearest = did_you_mean(path.stem().string(), names);
     if (nearest.empty() && path.extension() == extension)

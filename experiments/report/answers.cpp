@@ -93,7 +93,7 @@ private:
             sum += *error2;
             parts.emplace_back(*error2, layer);
         }
-        std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+        std::ranges::stable_sort(parts, [](const auto& a, const auto& b) { return a.first > b.first; });
         std::string text;
         for (const auto& [error2, layer] : parts)
             if (error2 >= 0.005 * sum)
@@ -140,7 +140,7 @@ private:
             methods.push_back(c.method);
         std::vector<std::string> shown = best_of_other_names(methods);
         if (ranking.size() > 1 && ranking[1].is_complete && ranking[1].known == Contender::Known::equal &&
-            std::find(shown.begin(), shown.end(), ranking[1].method) == shown.end())
+            std::ranges::find(shown, ranking[1].method) == shown.end())
             shown.insert(shown.begin(), ranking[1].method);
 
         std::vector<VerdictRow> rows = {row_of(best.method, target, seconds)};
@@ -153,9 +153,8 @@ private:
         for (const std::string& method : shown) {
             VerdictRow& other = rows.emplace_back(row_of(method, target, seconds));
             other.factor = times_as_much(other.seconds, 1 / seconds);
-            const bool is_tie = std::any_of(ranking.begin(), ranking.end(), [&](const Contender& c) {
-                return c.method == method && c.standing == Standing::tie;
-            });
+            const bool is_tie = std::ranges::any_of(
+                ranking, [&](const Contender& c) { return c.method == method && c.standing == Standing::tie; });
             if (is_tie) other.remark = "tie with the best";
         }
         return rows;

@@ -52,8 +52,8 @@ SceneLook scene_look(const Analysis& analysis, const std::string& scene) {
     const auto ranking = contest.after(all.seconds);
     const bool has_best = contest.is_judged() && ranking.size() > 1;
     for (const Contender& c : ranking) {
-        const auto look = std::find_if(analysis.looks.begin(), analysis.looks.end(),
-                                       [&](const auto& l) { return l.scene == scene && l.method == c.method; });
+        const auto look = std::ranges::find_if(analysis.looks,
+                                               [&](const auto& l) { return l.scene == scene && l.method == c.method; });
         const TableRow* total = analysis.row(scene, c.method, Layer::total);
         if (look == analysis.looks.end() || !total) continue;
         const bool is_late = c.standing == Standing::no_image;

@@ -39,7 +39,7 @@ data optional_text(const std::string& text) { return text.empty() ? data(false) 
 /// The place of a method's colour among those of the charts.
 data color_of(const Analysis& analysis, const std::string& method) {
     const auto& methods = analysis.index.methods;
-    const auto found = std::find(methods.begin(), methods.end(), method);
+    const auto found = std::ranges::find(methods, method);
     return found == methods.end() ? data(false) : data(std::to_string((found - methods.begin()) % 10));
 }
 
@@ -225,7 +225,7 @@ void add_photon_links(data& page, const Analysis& analysis, const ResultFolder& 
     const auto names = names_of_methods_that_store_light();
     for (const IndexScene& scene : analysis.index.scenes)
         for (const std::string& method : analysis.index.methods) {
-            if (std::find(names.begin(), names.end(), MethodLabel::parse(method).name) == names.end()) continue;
+            if (std::ranges::find(names, MethodLabel::parse(method).name) == names.end()) continue;
             fs::path file = folder.method_image(scene.name, method);
             file.replace_extension();  // without the image's ending
             file += "-photons.html";

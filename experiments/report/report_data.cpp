@@ -105,9 +105,8 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
     json sweeps = json::array();
     for (const BiasLaw& law : laws) {
         if (law.scene != scene) continue;
-        auto sweep = std::find_if(sweeps.begin(), sweeps.end(), [&](const json& s) {
-            return s["method"] == law.method && s["parameter"] == law.parameter;
-        });
+        auto sweep = std::ranges::find_if(
+            sweeps, [&](const json& s) { return s["method"] == law.method && s["parameter"] == law.parameter; });
         if (sweep == sweeps.end())
             sweep = sweeps.insert(
                 sweeps.end(),

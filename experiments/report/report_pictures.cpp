@@ -164,7 +164,7 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
     json judged = json::array(), all = json::array();
     for (Component c : all_components) {
         const std::string name(name_of(c));
-        const bool used = std::any_of(images.begin(), images.end(), [&](const json& image) {
+        const bool used = std::ranges::any_of(images, [&](const json& image) {
             const auto part = image.at("parts").find(name);
             return part != image.at("parts").end() && !part->at("black");
         });

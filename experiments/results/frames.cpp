@@ -48,7 +48,7 @@ Image reduced(const Image& image, int factor) {
             for (int v = y * factor; v < std::min((y + 1) * factor, image.height); ++v)
                 for (int u = x * factor; u < std::min((x + 1) * factor, image.width); ++u, ++count)
                     for (std::size_t k = 0; k < 3; ++k)
-                        sum[k] += static_cast<double>(image.rgb[3 * static_cast<std::size_t>(v * image.width + u) + k]);
+                        sum[k] += double{image.rgb[3 * static_cast<std::size_t>(v * image.width + u) + k]};
             for (std::size_t k = 0; k < 3; ++k)
                 small.rgb[3 * static_cast<std::size_t>(y * small.width + x) + k] = static_cast<float>(sum[k] / count);
         }
@@ -62,7 +62,7 @@ bool keeps_frame(std::uint64_t seed, std::uint32_t passes, std::uint32_t last_pa
 void write_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes, const Image& total) {
     ResultFolder::make(frame_folder(folder, cell_name));
     Image frame = reduced(total, reduction_for(total.width, total.height, frame_size));
-    std::transform(frame.rgb.begin(), frame.rgb.end(), frame.rgb.begin(), rounded);
+    std::ranges::transform(frame.rgb, frame.rgb.begin(), rounded);
     write_exr(frame_path(folder, cell_name, passes), {{{"", std::move(frame)}}, {}});
 }
 

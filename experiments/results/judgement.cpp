@@ -15,8 +15,8 @@ void subtract(Image& from, const Image& image) {
 
 Judgement::Judgement(const Reference& reference) : reference_(reference) {
     if (reference.unresolved.empty()) return;
-    empty_ = std::none_of(all_components.begin(), all_components.end(),
-                          [&](Component c) { return component(c) && !is_black(component(c)->mean); });
+    empty_ = std::ranges::none_of(all_components,
+                                  [&](Component c) { return component(c) && !is_black(component(c)->mean); });
     ReferenceLayer total = reference.total;
     for (Component c : reference.unresolved) {
         const auto& layer = reference[c];
@@ -42,7 +42,7 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
 }
 
 bool Judgement::is_resolved(Component c) const {
-    return std::find(reference_.unresolved.begin(), reference_.unresolved.end(), c) == reference_.unresolved.end();
+    return std::ranges::find(reference_.unresolved, c) == reference_.unresolved.end();
 }
 
 const ReferenceLayer* Judgement::component(Component c) const {
@@ -68,8 +68,7 @@ Image Judgement::total_of(const ComponentImages& image) const {
 Image Judgement::total_of(const LayeredImage& file) const {
     const ComponentImages parts = components_in(file);
     const Image* sum = file.find("");
-    const bool has_parts =
-        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
+    const bool has_parts = std::ranges::any_of(parts.parts, [](const auto& p) { return p.has_value(); });
     return has_parts || !sum ? total_of(parts) : *sum;
 }
 

@@ -92,7 +92,7 @@ LeftOut ResultIndex::left_out_by(const std::string& scene, const std::string& la
 }
 
 bool ResultIndex::is_external(const std::string& label) const {
-    return std::find(externals.begin(), externals.end(), label) != externals.end();
+    return std::ranges::find(externals, label) != externals.end();
 }
 
 void ResultFolder::make(const std::string& path) {

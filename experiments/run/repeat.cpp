@@ -31,8 +31,8 @@ std::string named_folder(const std::string& folder) {
 /// The path of the experiment file. It is relative to the current folder if all scenes are found from there, else to
 /// the folder in which the run was started.
 std::string experiment_path(const Manifest& manifest) {
-    const bool here = std::all_of(manifest.scenes.begin(), manifest.scenes.end(),
-                                  [](const Manifest::Scene& scene) { return fs::exists(scene.file); });
+    const bool here =
+        std::ranges::all_of(manifest.scenes, [](const Manifest::Scene& scene) { return fs::exists(scene.file); });
     return here ? manifest.experiment_file : (fs::path(manifest.working_folder) / manifest.experiment_file).string();
 }
 
@@ -49,8 +49,7 @@ void require_same_scenes(const Manifest& manifest, const RunSetup& setup) {
     for (const RunScene& scene : setup.scenes)
         for (const auto& then : manifest.scenes)
             if (then.name == scene.entry.name && then.content_hash != scene.content_hash &&
-                std::any_of(manifest.cells.begin(), manifest.cells.end(),
-                            [&](const ManifestCell& cell) { return cell.scene == then.name; }))
+                std::ranges::any_of(manifest.cells, [&](const ManifestCell& cell) { return cell.scene == then.name; }))
                 throw InputError(
                     {scene.entry.path},
                     "the scene was changed since the run (the file itself, or one that it uses): its images cannot "
@@ -61,9 +60,9 @@ void require_same_scenes(const Manifest& manifest, const RunSetup& setup) {
 void take_references(const Manifest& manifest, const ResultFolder& original, RunSession& run) {
     for (std::size_t i = 0; i < run.setup.scenes.size(); ++i) {
         if (!run.list.has(i)) continue;
-        const auto then =
-            std::find_if(manifest.scenes.begin(), manifest.scenes.end(),
-                         [&](const Manifest::Scene& scene) { return scene.name == run.setup.scenes[i].entry.name; });
+        const auto then = std::ranges::find_if(manifest.scenes, [&](const Manifest::Scene& scene) {
+            return scene.name == run.setup.scenes[i].entry.name;
+        });
         if (then == manifest.scenes.end() || !run.references.take(i, original, then->reference)) run.references.make(i);
     }
     run.list.use(run.references);
@@ -110,7 +109,7 @@ std::string difference(const std::string& path, const std::string& other_path) {
             for (std::size_t i = 0; i < layer.rgb.size(); ++i) {
                 if (std::bit_cast<std::uint32_t>(layer.rgb[i]) == std::bit_cast<std::uint32_t>(other->rgb[i])) continue;
                 ++different;
-                largest = std::max(largest, std::abs(static_cast<double>(layer.rgb[i]) - other->rgb[i]));
+                largest = std::max(largest, std::abs(double{layer.rgb[i]} - other->rgb[i]));
             }
         }
         return fmt::format(": {} of {} values, by {:.3g} at most", different, values, largest);
@@ -134,7 +133,7 @@ bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& or
     std::size_t identical = 0;
     for (const auto& cell : then) {
         const auto name = fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.passes);
-        const auto again = std::find_if(now.begin(), now.end(), [&](const ManifestCell& other) {
+        const auto again = std::ranges::find_if(now, [&](const ManifestCell& other) {
             return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
         });
         if (again == now.end()) {

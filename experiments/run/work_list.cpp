@@ -74,8 +74,7 @@ void WorkList::use(const References& references) {
 }
 
 bool WorkList::has(std::size_t scene) const {
-    return std::any_of(cells_.begin(), cells_.end(),
-                       [&](const WorkCell& cell) { return cell.is_selected && cell.scene == scene; });
+    return std::ranges::any_of(cells_, [&](const WorkCell& cell) { return cell.is_selected && cell.scene == scene; });
 }
 
 std::vector<const WorkCell*> WorkList::selected() const {

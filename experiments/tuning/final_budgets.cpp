@@ -9,7 +9,7 @@ std::vector<double> shared_seconds(const std::vector<double>& wanted, double sec
     constexpr double least = 0.01;  // [s]; one pass always completes
     std::vector<std::size_t> order(wanted.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return wanted[a] < wanted[b]; });
+    std::ranges::stable_sort(order, [&](auto a, auto b) { return wanted[a] < wanted[b]; });
     std::vector<double> shares(wanted.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
         const double even = seconds / static_cast<double>(order.size() - i) - besides;
@@ -29,7 +29,7 @@ std::vector<double> promising_seconds(const std::vector<double>& wanted, const s
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (const std::size_t i : order)
         reached += even[i] >= needed[i] ? 1 : 0;
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return needed[a] < needed[b]; });
+    std::ranges::stable_sort(order, [&](auto a, auto b) { return needed[a] < needed[b]; });
     std::vector<double> shares(wanted.size()), of_others;
     for (std::size_t n = 0; n < order.size(); ++n) {
         const std::size_t i = order[n];

@@ -21,7 +21,7 @@ static_assert(most_axes <= sobol_dimensions);
 constexpr double share_of_default = 0.25;
 
 bool sets(const MethodLabel& label, const std::string& parameter) {
-    return std::any_of(label.values.begin(), label.values.end(), [&](const auto& v) { return v.first == parameter; });
+    return std::ranges::any_of(label.values, [&](const auto& v) { return v.first == parameter; });
 }
 
 bool is_number(const Parameter& parameter) {
@@ -34,7 +34,7 @@ const char* source_of(const Variation& variation) { return variation.where.file.
 /// The default among the words, or as a number.
 std::optional<double> initial_of(const Parameter& parameter, const std::vector<std::string>& words) {
     if (words.empty()) return number_from<double>(parameter.default_value);
-    const auto place = std::find(words.begin(), words.end(), parameter.default_value);
+    const auto place = std::ranges::find(words, parameter.default_value);
     return place == words.end() ? std::nullopt : std::optional(static_cast<double>(place - words.begin()));
 }
 
@@ -155,8 +155,8 @@ Variation parse_variation(const std::string& text, const SourceLocation& where) 
 std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<Variation>& variations) {
     std::vector<TuningAxis> axes;
     for (const Parameter& parameter : find_method(base.name).parameters) {
-        const auto asked = std::find_if(variations.begin(), variations.end(),
-                                        [&](const Variation& v) { return v.parameter == parameter.name; });
+        const auto asked =
+            std::ranges::find_if(variations, [&](const Variation& v) { return v.parameter == parameter.name; });
         const Variation* variation = asked == variations.end() ? nullptr : &*asked;
         const bool is_set = sets(base, parameter.name);
         if (variation && is_set)
@@ -203,7 +203,7 @@ std::vector<Setting> SearchSpace::cover(int count) const {
         for (std::size_t d = 0; d < axes_.size(); ++d)
             setting.push_back(axes_[d].at(point.get_1d(static_cast<std::uint32_t>(d))));
         setting = normal(setting);
-        if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
+        if (std::ranges::find(settings, setting) == settings.end()) settings.push_back(setting);
     }
     return settings;
 }

@@ -142,8 +142,8 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
         return verdict;
     }
     verdict.passes = passes_after(cells, verdict.seconds_of_error);
-    const bool converged = verdict.error > target &&
-                           std::all_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.converged; });
+    const bool converged =
+        verdict.error > target && std::ranges::all_of(cells, [](const Cell& cell) { return cell.converged; });
     const auto price = fit_price_law(points, mean_over(cells, [](const Cell& cell) { return cell.prepare_seconds; }));
     const bool has_floor = !is_unbiased && price && price->floor.interval && price->floor.interval->lo > sqr(target);
     if (converged || has_floor) {

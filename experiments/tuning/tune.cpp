@@ -186,13 +186,13 @@ private:
                                           .needed = trials[i].time.seconds});
         }
         const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
-        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        std::ranges::stable_sort(candidates, is_cheaper);
         for (FinalSetting& candidate : candidates)
             if (candidates.size() > 1) estimate(candidate);
-        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        std::ranges::stable_sort(candidates, is_cheaper);
         for (const FinalSetting& candidate : candidates)
-            if (std::none_of(result_.finals.begin(), result_.finals.end(),
-                             [&](const FinalSetting& f) { return f.method == candidate.method; }))
+            if (std::ranges::none_of(result_.finals,
+                                     [&](const FinalSetting& f) { return f.method == candidate.method; }))
                 result_.finals.push_back(candidate);
     }
 
