@@ -3,17 +3,14 @@
 #include "common/core/error.h"
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
-#include "experiments/analysis/equal_time_look.h"
-#include "experiments/analysis/error_fields.h"
-#include "experiments/analysis/price.h"
-#include "experiments/analysis/processors.h"
-#include "experiments/analysis/same_method.h"
-#include "experiments/analysis/scene_light.h"
-#include "experiments/analysis/short_names.h"
-#include "experiments/measuring/contradiction.h"
+#include "experiments/analysis/comparison.h"
+#include "experiments/analysis/method_names.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/warnings.h"
+#include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/results/flip_record.h"
+#include "experiments/plan/label_checks.h"
+#include "experiments/results/cell_pictures.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
 
@@ -26,6 +23,41 @@
 namespace gib {
 
 namespace {
+
+/// The components of a scene that hold light, by its reference and by the images of its methods. Light that the reference
+/// does not judge, or that a method leaves out, decides whether a verdict about the whole image holds.
+class SceneLight {
+public:
+    /// Takes what the reference shows of the components that it resolves and of the others.
+    explicit SceneLight(const Reference& reference) {
+        const Components unresolved(reference.unresolved);
+        for (Component c : all_components)
+            if (const auto& layer = reference[c]) add(c, layer->mean, !unresolved.has(c));
+    }
+    /// Adds the images of a method. `left_out` are the components of which it leaves out paths.
+    void add(const std::vector<ComponentImages>& images, const Components& left_out) {
+        for (const ComponentImages& image : images)
+            for (Component c : all_components)
+                if (image[c]) add(c, *image[c], !left_out.has(c));
+    }
+
+    /// Those of the components that hold light: some image shows it, or no image has all of the component's paths, so that
+    /// none would show it.
+    Components holding_light(const Components& components) const {
+        Components found;
+        for (const Component c : components.list())
+            if (seen_.has(c) || !sampled_.has(c)) found.add(c);
+        return found;
+    }
+
+private:
+    void add(Component c, const Image& image, bool has_all_paths) {
+        if (has_all_paths) sampled_.add(c);
+        if (!seen_.has(c) && !is_black(image)) seen_.add(c);
+    }
+
+    Components seen_, sampled_;
+};
 
 /// The replicates of one method on one scene.
 struct Replicates {
@@ -216,7 +248,7 @@ bool has_made(const std::string& method, const Reference& reference) {
                                [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
 
-/// The components of the reference that images of a method contradict (contradiction.h).
+/// The components of the reference that images of a method contradict (reference_agreement.h).
 std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
                                            const Components& left_out, const Reference& reference) {
     const std::string& method = replicates.cells.front()->method;

@@ -1,8 +1,8 @@
 #include "experiments/analysis/contest.h"
 
-#include "experiments/analysis/price.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/metrics/price_law.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/metrics/time_to_error.h"
 
 #include <algorithm>
 #include <cmath>

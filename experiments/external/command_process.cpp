@@ -5,7 +5,6 @@
 #include "common/core/files.h"
 #include "experiments/system/child_process.h"
 #include "experiments/system/interrupt.h"
-#include "experiments/text/json_file.h"
 #include "experiments/text/json_record.h"
 
 #include <fmt/format.h>

@@ -6,9 +6,9 @@
 #include "common/reader/scene_file.h"
 #include "experiments/filter/checkpoint_filter.h"
 #include "experiments/measuring/measurement_json.h"
-#include "experiments/plan/filter_label.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/system/child_process.h"
-#include "experiments/text/json_file.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 

@@ -5,12 +5,11 @@
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
-#include "experiments/measuring/reference_memory.h"
 #include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 

@@ -21,7 +21,7 @@
 // takes no part in the component, if there is another maker that lacks none.
 
 #include "common/reader/scene_file.h"
-#include "experiments/measuring/reference_batches.h"
+#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"

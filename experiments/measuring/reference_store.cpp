@@ -1,7 +1,18 @@
 #include "experiments/measuring/reference_store.h"
 
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "common/core/memory_limit.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "common/images/image_digest.h"
+#include "common/images/image_file.h"
+#include "common/sampling/sampler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
 
 namespace gib {
 
@@ -36,6 +47,28 @@ ReferenceLayer layer_of(const std::vector<ComponentImages>& groups, const ImageO
     ReferenceLayer layer = layer_of_groups(std::move(images));
     if (!biases.empty()) layer.bias.push_back(layer_of_groups(std::move(biases)));
     return layer;
+}
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> digest_keys = {"work", "seconds", "not_finite", "first_not_finite"};
+constexpr const char* digest_key = "digest";
+
+template <typename Number>
+Number number_in(const LayeredImage& file, const std::string& key) {
+    const auto entry = file.metadata.find(key);
+    const auto value = entry == file.metadata.end() ? std::nullopt : number_from<Number>(entry->second);
+    if (!value) throw InputError("no number");
+    return *value;
+}
+
+/// Whether all values are finite and, of a standard error, not negative.
+bool is_sound(const ReferenceLayer& layer) {
+    if (layer.mean.non_finite_values() > 0) return false;
+    if (!layer.standard_error) return true;
+    const auto& values = layer.standard_error->rgb;
+    return layer.standard_error->non_finite_values() == 0 &&
+           std::ranges::none_of(values, [](float v) { return v < 0; });
 }
 
 }  // namespace
@@ -100,6 +133,99 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
         }
     }
     return groups;
+}
+
+std::string BatchFolder::file_of(const ReferenceBatch& batch) const {
+    return fmt::format("{}/maker{}-batch{}-passes{}-after{}.exr", path_, batch.maker, batch.number, batch.passes,
+                       batch.passes_before);
+}
+
+bool BatchFolder::has(const ReferenceBatch& batch) const {
+    std::error_code ignored;
+    return fs::exists(file_of(batch), ignored);
+}
+
+std::optional<MadeBatch> BatchFolder::read(const ReferenceBatch& batch) const {
+    if (!has(batch)) return std::nullopt;
+    try {
+        const LayeredImage file = read_image(file_of(batch));
+        const auto digest = file.metadata.find(digest_key);
+        if (digest == file.metadata.end() || digest->second != image_digest(file, digest_keys)) return std::nullopt;
+        MadeBatch made{.images = components_in(file),
+                       .dropped = {number_in<std::uint64_t>(file, "not_finite"), ""},
+                       .work = number_in<double>(file, "work"),
+                       .seconds = number_in<double>(file, "seconds")};
+        if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
+            made.dropped.first = first->second;
+        return made;
+    } catch (const std::exception&) {  // any exception, because a damaged file can contain anything
+        return std::nullopt;
+    }
+}
+
+void BatchFolder::write(const ReferenceBatch& batch, const MadeBatch& made) const {
+    fs::create_directories(path_);
+    LayeredImage file = layers_of(made.images);
+    file.metadata = {{"work", fmt::format("{}", made.work)},
+                     {"seconds", fmt::format("{}", made.seconds)},
+                     {"not_finite", fmt::format("{}", made.dropped.count)},
+                     {"first_not_finite", made.dropped.count > 0 ? made.dropped.first : "none"}};
+    file.metadata[digest_key] = image_digest(file, digest_keys);
+    write_exr(file_of(batch), file);
+}
+
+void BatchFolder::remove(const ReferenceBatch& batch) const {
+    std::error_code ignored;
+    fs::remove(file_of(batch), ignored);
+}
+
+void BatchFolder::remove_all() const {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
+    const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
+    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
+}
+
+GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash) {
+    GivenReference given{.reference = read_reference(path), .identity = "", .notes = {}};
+    Reference& reference = given.reference;
+    const Image& mean = reference.total.mean;
+    if (mean.width != width || mean.height != height)
+        reject({path}, "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height, width,
+               height);
+    bool sound = is_sound(reference.total);
+    for (const auto& component : reference.components)
+        sound = sound && (!component || is_sound(*component));
+    if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
+    if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
+    if (const auto scene = reference.metadata.find("scene_hash");
+        scene != reference.metadata.end() && scene->second != content_hash)
+        throw InputError({path}, "the reference is that of another scene, or of another version of this one");
+
+    // Other attributes are those of the file's own format.
+    std::map<std::string, std::string> kept;
+    for (const char* key : {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite"})
+        if (const auto value = reference.metadata.find(key); value != reference.metadata.end()) kept.insert(*value);
+    ContentHash hash;
+    hash.add("reference image 1");
+    hash.add(read_file(path));
+    kept["reference_key"] = hash.hex();
+    kept.try_emplace("passes", "0");
+    reference.metadata = std::move(kept);
+    given.identity = hash.hex() + ":" + reference.metadata["passes"];
+    if (!reference.total.standard_error && reference.total.groups.empty())
+        given.notes = {"the reference has no standard error: how much of each error is its own is unknown"};
+    return given;
+}
+
+void require_memory_for_reference(int width, int height) {
+    const double whole = reference_groups + 2;
+    const double layers = (reference_groups + 4 * whole) * (component_count + 1);
+    require_memory(3.0 * sizeof(float) * width * height * layers,
+                   fmt::format("a reference of {} x {} pixels", width, height));
 }
 
 }  // namespace gib

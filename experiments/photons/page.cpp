@@ -3,8 +3,7 @@
 #include "common/color/dispersion.h"
 #include "common/scene/scene.h"
 #include "experiments/photons/surfaces.h"
-#include "experiments/report/image_pack.h"
-#include "experiments/text/embedded_files.h"
+#include "experiments/report/report_pictures.h"
 #include "experiments/text/html.h"
 #include "experiments/text/template_text.h"
 

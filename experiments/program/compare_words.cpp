@@ -2,8 +2,7 @@
 
 #include "common/color/srgb.h"
 #include "common/core/math.h"
-#include "experiments/analysis/error_fields.h"
-#include "experiments/metrics/block_sums.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/z_statistic.h"
 #include "experiments/results/color_maps.h"
 #include "experiments/text/numbers.h"

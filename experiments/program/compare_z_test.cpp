@@ -2,7 +2,6 @@
 
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
-#include "experiments/metrics/mitsuba_z_test.h"
 #include "experiments/metrics/z_statistic.h"
 #include "experiments/text/json_record.h"
 

@@ -1,10 +1,10 @@
 #include "experiments/report/answers.h"
 
 #include "experiments/analysis/contest.h"
-#include "experiments/analysis/left_out.h"
-#include "experiments/analysis/price.h"
-#include "experiments/report/error_words.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/table_row.h"
 #include "experiments/report/field_text.h"
+#include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 #include "methods/parameters.h"
 

@@ -1,8 +1,7 @@
 #include "experiments/report/terminal.h"
 
 #include "experiments/analysis/curves.h"
-#include "experiments/analysis/same_method.h"
-#include "experiments/analysis/short_names.h"
+#include "experiments/analysis/method_names.h"
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 

@@ -1,4 +1,4 @@
-// Unpacks images from the page's text: base64, zlib, half floats (experiments/report/image_pack.h packs them).
+// Unpacks images from the page's text: base64, zlib, half floats (experiments/report/report_pictures.h packs them).
 "use strict";
 report.blobs = (() => {
   const unpacked = new Map();

@@ -4,7 +4,7 @@
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/text/json_file.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 

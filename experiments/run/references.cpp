@@ -2,8 +2,8 @@
 
 #include "common/core/files.h"
 #include "common/core/parallel.h"
-#include "experiments/measuring/given_reference.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/measuring/reference_store.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 

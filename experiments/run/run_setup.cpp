@@ -3,7 +3,6 @@
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
 #include "experiments/external/povray_scene.h"
-#include "experiments/external/scene_places.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/progress.h"
 #include "methods/method.h"

@@ -1,6 +1,5 @@
 #include "experiments/text/template_text.h"
 
-#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 
 #include <stdexcept>

@@ -1,5 +1,6 @@
 #pragma once
 // Fills Mustache templates (kainjow's library).
+// Files that the build embeds in the program: templates, styles and scripts of its pages, and the libraries these use.
 
 #include <kainjow/mustache.hpp>
 
@@ -13,7 +14,11 @@ namespace gib {
 std::string filled(std::string_view page, const kainjow::mustache::data& values,
                    std::string (*escape)(std::string_view));
 
-/// Embedded scripts (embedded_files.h) as a list of texts that may stand in <script> elements.
+/// Embedded scripts as a list of texts that may stand in <script> elements.
 kainjow::mustache::list embedded_scripts(std::initializer_list<std::string_view> names);
+
+/// The content of a file by its path below experiments/, such as "report_page/page.html", or of a library with its licence:
+/// "chart.js", "three.js", "OrbitControls.js". Throws std::logic_error if there is none.
+std::string_view embedded_file(std::string_view name);
 
 }  // namespace gib

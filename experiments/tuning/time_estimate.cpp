@@ -3,7 +3,6 @@
 #include "common/core/math.h"
 #include "experiments/metrics/price_law.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/metrics/time_to_error.h"
 
 #include <algorithm>
 #include <cmath>

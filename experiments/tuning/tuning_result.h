@@ -62,7 +62,7 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f);
 /// their method; what was cut; and at the end a line with the verdict of each method.
 std::string tuning_text(const TuningResult& result);
 
-/// tune.json, of which report/tuning_section.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
+/// tune.json, of which report/report_data.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
 /// "methods": [{"base": label as asked for, "label", "paste", "state", "verdict", "seconds", "lo" and "hi": null if they
 /// are not known, "parameters": [{"name", "unit", "sentence", "words": [...] or null}], "settings": [{"label", "values":
 /// [number, word, or null without effect], "seconds": null if never, "measured": by the curve, not by its law}]}],

@@ -4,8 +4,8 @@
 #include "common/core/number_text.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/reference_image.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/text/json_file.h"
+#include "experiments/plan/label_checks.h"
+#include "experiments/text/json_record.h"
 #include "experiments/tuning/search_space.h"
 #include "methods/method.h"
 

@@ -3,7 +3,7 @@
 // the end an experiment of the best settings. What was measured before an interruption is found again and counts with the
 // time that it took, so that the same decisions follow.
 
-#include "experiments/plan/tune_file.h"
+#include "experiments/plan/experiment_file.h"
 #include "experiments/run/run_session.h"
 
 #include <cstdint>

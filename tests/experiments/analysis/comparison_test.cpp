@@ -3,11 +3,9 @@
 // image whose reference does not resolve all of them.
 #include "experiments/analysis/comparison.h"
 
-#include "experiments/analysis/error_fields.h"
-#include "experiments/analysis/price.h"
-#include "experiments/analysis/processors.h"
-#include "experiments/analysis/same_method.h"
-#include "experiments/analysis/scene_light.h"
+#include "experiments/analysis/method_names.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
 #include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"

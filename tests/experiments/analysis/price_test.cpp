@@ -1,8 +1,8 @@
 // The price of an error: when the best method changes, the cost of the last halving, and the sentences about them.
 
-#include "experiments/analysis/price.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/comparison.h"
-#include "experiments/analysis/footing_warnings.h"
+#include "experiments/analysis/warnings.h"
 #include "experiments/report/answers.h"
 #include "experiments/report/field_text.h"
 #include "experiments/report/report.h"

@@ -6,7 +6,6 @@
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/core/parallel.h"
-#include "experiments/metrics/flip_filters.h"
 #include "experiments/results/color_maps.h"
 #include "tests/experiments/metrics/paper_flip.h"
 #include "tests/support/constant_image.h"

@@ -1,0 +1,49 @@
+#pragma once
+// Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
+// the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
+// The FLIP of a complete cell, which is kept beside its image. It is measured once, after all cells are timed, and
+// its time is never charged.
+
+#include "common/images/image.h"
+#include "experiments/results/result_folder.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace gib {
+
+/// The largest width and height of a frame [pixels]; larger films are reduced by a whole factor.
+inline constexpr int frame_size = 512;
+
+/// The smallest whole factor that reduces a film to at most `largest` pixels a side.
+int reduction_for(int width, int height, int largest);
+/// The image of the means of blocks of factor x factor pixels; blocks at the right and lower edge may be smaller.
+Image reduced(const Image& image, int factor);
+
+/// Whether an image is kept as a frame: of seed 1, after a power of two of passes. The last image is not kept as one,
+/// because it is stored anyway.
+bool keeps_frame(std::uint64_t seed, std::uint32_t passes, std::uint32_t last_passes);
+
+/// Writes a frame, with values rounded to half floats to halve the file (values that a half cannot hold are kept).
+/// Frames are written before the cell's record, so that those of a complete cell are complete.
+void write_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes, const Image& total);
+/// Reads a frame. Empty if there is no file, or if it is damaged; `damage`, if given, then receives a message.
+std::optional<Image> read_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes,
+                                std::string* damage = nullptr);
+/// Whether there is a file of that frame, damaged or not.
+bool has_frame(const ResultFolder& folder, const std::string& cell_name, std::uint32_t passes);
+/// Deletes the frames of a cell before the cell is measured again.
+void forget_frames(const ResultFolder& folder, const std::string& cell_name);
+
+/// HDR-FLIP of a cell's final image against the reference, mean over the pixels. Empty if either image has values
+/// that are not finite. The first call stores the value as flip.json and the map as flip_map() in the cell's folder.
+/// Later calls return it, and measure again if either file is damaged or belongs to other images. Throws InputError
+/// if sizes differ.
+std::optional<double> cell_flip(const ResultFolder& folder, const std::string& cell_name, const Image& total,
+                                const Image& r_total);
+
+/// Deletes the stored FLIP of a cell before the cell is measured again.
+void forget_flip(const ResultFolder& folder, const std::string& cell_name);
+
+}  // namespace gib
