@@ -4,8 +4,6 @@
 #include "experiments/plan/label_checks.h"
 #include "methods/parameters.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 #include <tuple>

@@ -3,6 +3,7 @@
 #include "common/core/error.h"
 #include "common/core/files.h"
 #include "common/images/image_file.h"
+#include "experiments/external/command_process.h"
 
 #include <fmt/format.h>
 
@@ -26,57 +27,73 @@ std::string last_line(const std::string& file) {
     return last;
 }
 
+std::string absolute(const std::string& path) { return std::filesystem::absolute(path).lexically_normal().string(); }
+
 /// Throws RunError with the last line of the command's standard error.
-[[noreturn]] void fail(const ImageCommand& command, const std::string& what) {
-    const std::string messages = command.cell_folder + "/stderr.txt";
+[[noreturn]] void fail(const CommandCell& cell, const std::string& what) {
+    const std::string messages = cell.cell_folder + "/stderr.txt";
     const std::string said = last_line(messages);
     throw RunError(said.empty() ? what : fmt::format("{}; its last message: {} (all are in {})", what, said, messages));
 }
 
-void require_success(const ImageCommand& command, const CommandResult& result) {
+/// `name`: in messages, such as "its command".
+void require_success(const CommandCell& cell, const char* name, const CommandResult& result) {
     if (result.timed_out)
-        fail(command, fmt::format("{} was ended after its timeout of {:g} s", command.name, command.timeout));
+        fail(cell, fmt::format("{} was ended after its timeout of {:g} s", name, cell.method.timeout));
     // A shell that has waited for its command tells a signal as the exit code 128 + signal.
     const bool told_by_shell = result.exit_code > 128 && result.exit_code < 128 + 32;
     if (const int signal = told_by_shell ? result.exit_code - 128 : result.signal; signal != 0)
-        fail(command, fmt::format("{} was killed by signal {} ({})", command.name, signal, strsignal(signal)));
-    if (result.exit_code != 0) fail(command, fmt::format("{} ended with exit code {}", command.name, result.exit_code));
+        fail(cell, fmt::format("{} was killed by signal {} ({})", name, signal, strsignal(signal)));
+    if (result.exit_code != 0) fail(cell, fmt::format("{} ended with exit code {}", name, result.exit_code));
 }
 
-Image image_of(const ImageCommand& command) {
-    if (!std::filesystem::exists(command.out)) fail(command, command.name + " wrote no image");
-    const LayeredImage file = [&] {
-        try {
-            return read_image(command.out);
-        } catch (const InputError& error) {
-            fail(command, fmt::format("its image cannot be read: {}", error.what()));
-        }
-    }();
-    const Image* image = file.find("");
-    if (!image) fail(command, "its image has no channels R,G,B");
-    if (image->width != command.width || image->height != command.height)
-        fail(command, fmt::format("its image has {} x {} pixels, the scene has {} x {}", image->width, image->height,
-                                  command.width, command.height));
+Image image_of(const CommandCell& cell, const char* name, const std::string& file) {
+    if (!std::filesystem::exists(file)) fail(cell, fmt::format("{} wrote no image", name));
+    LayeredImage layers;
+    try {
+        layers = read_image(file);
+    } catch (const InputError& error) {
+        fail(cell, fmt::format("its image cannot be read: {}", error.what()));
+    }
+    const Image* image = layers.find("");
+    if (!image) fail(cell, "its image has no channels R,G,B");
+    if (image->width != cell.width || image->height != cell.height)
+        fail(cell, fmt::format("its image has {} x {} pixels, the scene has {} x {}", image->width, image->height,
+                               cell.width, cell.height));
     if (const std::size_t bad = image->non_finite_values(); bad > 0) {
         const auto first = std::ranges::find_if(image->rgb, [](float v) { return !std::isfinite(v); });
         const auto pixel = static_cast<int>((first - image->rgb.begin()) / 3);
-        fail(command, fmt::format("{} of the {} values of its image are not finite, the first in column {} of row {}",
-                                  bad, image->rgb.size(), pixel % image->width, pixel / image->width));
+        fail(cell, fmt::format("{} of the {} values of its image are not finite, the first in column {} of row {}", bad,
+                               image->rgb.size(), pixel % image->width, pixel / image->width));
     }
     return *image;
 }
 
-namespace fs = std::filesystem;
+struct CommandImage {
+    Image image;
+    CommandResult cost;
+};
 
-std::string absolute(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+/// Runs the command with these values of its placeholders, of which `out` is the image that it writes.
+CommandImage image_by_command(const std::string& program, const CommandCell& cell, const char* name,
+                              std::map<std::string, std::string> values) {
+    values["threads"] = std::to_string(cell.threads);
+    const CommandResult cost = run_command(program, {.command = filled_command(cell.method, values),
+                                                     .folder = cell.folder,
+                                                     .timeout = cell.method.timeout,
+                                                     .cell_folder = cell.cell_folder,
+                                                     .work_folder = cell.work_folder});
+    require_success(cell, name, cost);
+    return {image_of(cell, name, values["out"]), cost};
+}
 
-/// The files that a command reads, which are layers of a checkpoint's image, and the one that it writes.
-std::map<std::string, std::string> files_of(const FilteredCell& cell, const LayeredImage& image) {
-    const std::string work = std::filesystem::absolute(cell.work_folder).lexically_normal().string() + "/";
+/// The files that a filter reads, which are layers of a checkpoint's image, and the one that it writes.
+std::map<std::string, std::string> files_of(const CommandCell& cell, const LayeredImage& image) {
+    const std::string work = absolute(cell.work_folder) + "/";
     std::map<std::string, std::string> files = {{"out", work + "filtered.exr"}};
     for (const auto& [layer, pixels] : image.layers) {
         const std::string name = layer.empty() ? "image" : layer;
-        if (!cell.filter.takes(name)) continue;
+        if (!cell.method.takes(name)) continue;
         files[name] = work + name + ".exr";
         write_scratch_exr(files[name], {{{"", pixels}}, {}});
     }
@@ -85,67 +102,36 @@ std::map<std::string, std::string> files_of(const FilteredCell& cell, const Laye
 
 }  // namespace
 
-CommandImage run_image_command(const std::string& program, const ImageCommand& command) {
-    CommandResult cost = run_command(program, {.command = command.command,
-                                               .folder = command.folder,
-                                               .timeout = command.timeout,
-                                               .output_file = command.cell_folder + "/stdout.txt",
-                                               .message_file = command.cell_folder + "/stderr.txt",
-                                               .work_folder = command.work_folder});
-    require_success(command, cost);
-    return {image_of(command), cost};
-}
-
-CellTiming run_external_cell(const std::string& program, const ExternalCell& cell) {
-    const std::string work = absolute(cell.work_folder), out = work + "/image." + cell.method.image_format;
-    std::string scene = absolute(cell.scene_file);
-    if (!cell.scene_text.empty()) {
+CellTiming run_external_cell(const std::string& program, const CommandCell& cell, const RendererInput& input) {
+    const std::string work = absolute(cell.work_folder);
+    std::string scene = absolute(input.scene_file);
+    if (!input.scene_text.empty()) {
         scene = work + "/scene.pov";
-        write_file(scene, cell.scene_text);
+        write_file(scene, input.scene_text);
     }
     std::map<std::string, std::string> values = {{"scene", scene},
-                                                 {"out", out},
-                                                 {"spp", std::to_string(cell.spp)},
-                                                 {"seed", std::to_string(cell.seed)},
-                                                 {"threads", std::to_string(cell.threads)},
+                                                 {"out", work + "/image." + cell.method.image_format},
+                                                 {"spp", std::to_string(input.spp)},
+                                                 {"seed", std::to_string(input.seed)},
                                                  {"width", std::to_string(cell.width)},
                                                  {"height", std::to_string(cell.height)}};
-    if (cell.seconds) values["seconds"] = fmt::format("{}", *cell.seconds);
-    const auto [image, cost] = run_image_command(program, {.name = "its command",
-                                                           .command = filled_command(cell.method, values),
-                                                           .out = out,
-                                                           .folder = absolute(cell.folder),
-                                                           .timeout = cell.method.timeout,
-                                                           .width = cell.width,
-                                                           .height = cell.height,
-                                                           .cell_folder = cell.cell_folder,
-                                                           .work_folder = work});
-    write_scratch_exr(checkpoint_image(cell.work_folder, cell.spp), {{{"", image}}, {}});
+    if (input.seconds) values["seconds"] = fmt::format("{}", *input.seconds);
+    const auto [image, cost] = image_by_command(program, cell, "its command", std::move(values));
+    write_scratch_exr(checkpoint_image(cell.work_folder, input.spp), {{{"", image}}, {}});
     CellTiming timing;
     timing.measurement.checkpoints.push_back(
-        {.passes = cell.spp, .seconds = cost.seconds, .counts = {}, .peak_rss_mib = cost.peak_rss_mib});
+        {.passes = input.spp, .seconds = cost.seconds, .counts = {}, .peak_rss_mib = cost.peak_rss_mib});
     timing.measurement.stages.push_back({"command", cost.seconds});
     return timing;
 }
 
-void filter_checkpoints(const std::string& program, const FilteredCell& cell, Measurement& measured) {
+void filter_checkpoints(const std::string& program, const CommandCell& cell, Measurement& measured) {
     double last = 0;  // [s]
     for (Checkpoint& checkpoint : measured.checkpoints) {
         const std::string path = checkpoint_image(cell.work_folder, checkpoint.passes);
-        const LayeredImage image = read_image(path);
-        auto values = files_of(cell, image);
-        const std::string out = values["out"];
-        values["threads"] = std::to_string(cell.threads);
-        std::filesystem::remove(out);
-        const auto [filtered, cost] = run_image_command(program, {.name = "its filter",
-                                                                  .command = filled_command(cell.filter, values),
-                                                                  .out = out,
-                                                                  .folder = cell.folder,
-                                                                  .timeout = cell.filter.timeout,
-                                                                  .width = image.layers.front().second.width,
-                                                                  .height = image.layers.front().second.height,
-                                                                  .cell_folder = cell.cell_folder,
-                                                                  .work_folder = cell.work_folder});
+        auto values = files_of(cell, read_image(path));
+        std::filesystem::remove(values["out"]);
+        const auto [filtered, cost] = image_by_command(program, cell, "its filter", std::move(values));
         write_scratch_exr(path, {{{"", filtered}}, {}});
         last = cost.seconds;
         checkpoint.seconds += last;

@@ -2,10 +2,8 @@
 
 #include "common/core/descriptor.h"
 #include "common/core/error.h"
-#include "common/core/files.h"
-#include "experiments/system/child_process.h"
+#include "experiments/measuring/child_request.h"
 #include "experiments/system/interrupt.h"
-#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 
@@ -27,12 +25,9 @@
 
 namespace gib {
 
-using nlohmann::json;
-
 static auto json_fields(RecordOf<CommandRequest> auto& r) {
     return std::tuple(JsonField{"command", r.command}, JsonField{"folder", r.folder}, JsonField{"timeout", r.timeout},
-                      JsonField{"output_file", r.output_file}, JsonField{"message_file", r.message_file},
-                      JsonField{"work_folder", r.work_folder});
+                      JsonField{"cell_folder", r.cell_folder}, JsonField{"work_folder", r.work_folder});
 }
 
 static auto json_fields(RecordOf<CommandResult> auto& r) {
@@ -118,8 +113,8 @@ void kill_descendants() {
 CommandResult measured(const CommandRequest& request) {
     constexpr double longest = 1e8;  // [s], so that the clock cannot overflow
     const Descriptor input = opened("/dev/null", O_RDONLY);
-    const Descriptor output = opened(request.output_file, O_WRONLY | O_CREAT | O_TRUNC);
-    const Descriptor messages = opened(request.message_file, O_WRONLY | O_CREAT | O_TRUNC);
+    const Descriptor output = opened(request.cell_folder + "/stdout.txt", O_WRONLY | O_CREAT | O_TRUNC);
+    const Descriptor messages = opened(request.cell_folder + "/stderr.txt", O_WRONLY | O_CREAT | O_TRUNC);
     const sigset_t signals = awaited_signals();
     sigset_t before;
     sigprocmask(SIG_BLOCK, &signals, &before);
@@ -158,32 +153,13 @@ CommandResult measured(const CommandRequest& request) {
 }  // namespace
 
 void measure_command(const std::string& request_file) {
-    const CommandRequest request = [&] {
-        try {
-            const json j = read_json(request_file);
-            die_with_parent(j.at("parent"));
-            prctl(PR_SET_PDEATHSIG, SIGTERM);  // which ends the command, too
-            return j.get<CommandRequest>();
-        } catch (const json::exception& error) {
-            throw InputError({request_file}, fmt::format("not a request: {}", error.what()));
-        }
-    }();
-    write_file(request.work_folder + "/result.json", json(measured(request)).dump(1) + "\n");
+    const auto request = request_of_parent<CommandRequest>(request_file);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // which ends the command, too
+    leave_result(request, measured(request));
 }
 
 CommandResult run_command(const std::string& program, const CommandRequest& request) {
-    const std::string request_file = request.work_folder + "/request.json";
-    json j = request;
-    j["parent"] = getpid();
-    write_file(request_file, j.dump(1) + "\n");
-    run_child({program, "measure-command", request_file}, [](const std::string&) {});
-    try {
-        return read_json(request.work_folder + "/result.json").get<CommandResult>();
-    } catch (const json::exception& error) {
-        throw RunError(fmt::format("the command's process left a record that cannot be read: {}", error.what()));
-    } catch (const InputError& error) {
-        throw RunError(fmt::format("the command's process left no record: {}", error.what()));
-    }
+    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
 }
 
 }  // namespace gib

@@ -9,12 +9,11 @@
 namespace gib {
 
 struct CommandRequest {
-    std::string command;       ///< text for /bin/sh
-    std::string folder;        ///< folder in which it runs
-    double timeout = 0;        ///< wall-clock time after which it is killed [s]
-    std::string output_file;   ///< receives its standard output
-    std::string message_file;  ///< receives its standard error
-    std::string work_folder;   ///< folder for request.json and result.json
+    std::string command;      ///< text for /bin/sh
+    std::string folder;       ///< folder in which it runs
+    double timeout = 0;       ///< wall-clock time after which it is killed [s]
+    std::string cell_folder;  ///< receives its standard output and error: stdout.txt and stderr.txt
+    std::string work_folder;  ///< folder for request.json and result.json
 };
 
 struct CommandResult {
@@ -26,7 +25,7 @@ struct CommandResult {
 };
 
 /// Runs in the process of `measure-command`. When the command has ended, all processes that it has started are killed, also
-/// those in sessions of their own. Throws InputError if the file is not a request.
+/// those in sessions of their own.
 void measure_command(const std::string& request_file);
 
 /// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and

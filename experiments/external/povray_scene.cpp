@@ -7,7 +7,6 @@
 
 #include <array>
 #include <numbers>
-#include <set>
 
 namespace gib {
 

@@ -23,6 +23,7 @@
 // The command chooses the method by Declare=NAME=VALUE: `Radiosity` rays of each record of its irradiance cache, with
 // `RadiosityError` as its error_bound (default 0.5); `Photons` aimed at glass and mirrors; `LampPoints` shadow rays along
 // each edge of a lamp (default 4), jittered.
+//
 // Places of the parts of a scene in its file, for messages about what another renderer's form cannot express.
 
 #include "common/core/error.h"

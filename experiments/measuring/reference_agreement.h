@@ -1,6 +1,7 @@
 #pragma once
 // Tests whether the makers of a reference agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole image
 // (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
+//
 // Evidence that a reference lacks light: an unbiased method finds more of it than the noise of both explains. Less light is no
 // evidence, because a method that has not met rare bright paths yet is too dark and seems to have no noise.
 

@@ -4,6 +4,7 @@
 // Sources: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild 2020, "FLIP: A Difference Evaluator for
 // Alternating Images"; Andersson, Nilsson, Shirley, Akenine-Moller 2021, "Visualizing Errors in Rendered High Dynamic
 // Range Images" (HDR-FLIP).
+//
 // The filters of FLIP: the contrast sensitivity of the eye in
 // each colour channel, and the detection of edges and points.
 // Source: Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images", sections 4.1.1 and 4.2.
@@ -45,12 +46,11 @@ double filmic(double x);
 ExposureRange flip_exposures(const Image& reference);
 
 /// LDR-FLIP of two images in linear RGB in [0, 1], before the sRGB curve of a screen. It is symmetric, and exactly 0
-/// for equal images. Throws InputError if sizes differ, an image is empty, a value is not finite or there is less
-/// than one pixel per degree.
+/// for equal images. Both have one size, one pixel or more and finite values, and a degree has one pixel or more.
 FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree = default_pixels_per_degree);
 
 /// HDR-FLIP of linear radiance: the largest LDR-FLIP of each pixel over the exposures. Negative values count as 0. It
-/// is not symmetric, because the exposures are those of the reference. Throws the same errors as ldr_flip().
+/// is not symmetric, because the exposures are those of the reference.
 FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_degree = default_pixels_per_degree);
 
 /// One channel of an image, height x width, row 0 on top.

@@ -122,8 +122,23 @@ bool is_black(const Image& image) {
     return std::ranges::all_of(image.rgb, [](float v) { return v == 0; });
 }
 
+Image mean_image(std::span<const Image> images) {
+    Image mean(images.front().width, images.front().height);
+    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
+        double sum = 0;
+        for (const Image& image : images)
+            sum += double{image.rgb[i]};
+        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
+    }
+    return mean;
+}
+
+std::string attribute_in(const std::map<std::string, std::string>& metadata, const std::string& key) {
+    const auto found = metadata.find(key);
+    return found == metadata.end() ? "" : found->second;
+}
+
 ReferenceLayer layer_of_groups(std::vector<Image> groups) {
-    if (groups.empty()) throw std::invalid_argument("layer_of_groups: no groups");
     ReferenceLayer layer{};
     layer.mean = Image(groups[0].width, groups[0].height);
     if (groups.size() > 1) layer.standard_error = layer.mean;

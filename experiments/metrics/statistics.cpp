@@ -415,15 +415,9 @@ struct TrueError {
 TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
     const auto n = static_cast<double>(replicates.size());
     double rel_mse = 0;
-    Image mean = replicates.front();
     for (const Image& x : replicates)
         rel_mse += truth.squared_difference(x) / n;
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
-        double sum = 0;
-        for (const Image& x : replicates)
-            sum += double{x.rgb[i]};
-        mean.rgb[i] = static_cast<float>(sum / n);
-    }
+    const Image mean = mean_image(replicates);
     if (replicates.size() < 2) return {rel_mse, std::numeric_limits<double>::quiet_NaN()};
     const double sampling = truth.weighted_mean([&](std::size_t i) {
         double scatter = 0;
@@ -438,13 +432,6 @@ TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& tru
 
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Denominators& denominators) {
-    if (replicates.empty()) throw std::invalid_argument("replicate_statistics: no replicates");
-    for (const Image& x : replicates)
-        require_same_size(x, reference.mean);
-    for (const Image& group : reference.groups)
-        require_same_size(group, reference.mean);
-    require_same_size(denominators.plain(), reference.mean);
-
     // Images with values that are not finite may give statistics that are not finite; this is not an error.
     const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
     const Moments plain = moments(replicates, reference, {});

@@ -2,8 +2,10 @@
 // A z test of whether an image differs from a reference by more than noise, for
 // every channel of blocks of 8 x 8 and 64 x 64 pixels and of the whole image;
 // and whether the means are shown to agree. z_statistic.cpp has the derivation.
+//
 // Sums over blocks of pixels of one channel of two images x and r: the radiance, and the variance of its noise. The z
 // test (z_statistic.h) compares these sums.
+//
 // The z test that Mitsuba 3 applies to its own renderings (its src/render/tests/test_renders.py). It compares every
 // pixel with a converged reference, using the variance of one sample that is stored with the reference.
 
@@ -61,8 +63,7 @@ struct LayerZTest {
 };
 
 /// `x`: the image to test, with its standard error and its replicates (as groups), if there are any; `r`: the
-/// reference; `r_total`: the reference's total. All values must be finite. Throws std::invalid_argument if sizes
-/// differ or an image is empty. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
+/// reference; `r_total`: the reference's total. All values must be finite, and all images of one size. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total,
                   int block_edge = z_block_edge);
 
@@ -177,8 +178,7 @@ struct MitsubaZTest {
 };
 
 /// `x` was rendered with `spp` samples a pixel. `variance` is the variance of one sample in XYZ, converted to linear
-/// RGB, so that it may have negative values. The reference counts as exact. Throws std::invalid_argument if the
-/// images differ in size or are empty.
+/// RGB, so that it may have negative values. The reference counts as exact. All images have one size.
 MitsubaZTest mitsuba_z_test(const Image& x, const Image& reference, const Image& variance, std::uint32_t spp);
 
 }  // namespace gib

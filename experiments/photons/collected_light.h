@@ -1,5 +1,6 @@
 #pragma once
 // Runs a method until the light that it stores is complete, and collects what a page can show of it.
+//
 // A uniform subset of the photons of several maps and passes, in memory that does not grow with the number of photons.
 //
 // Each photon gets a random number, and the photons with the least numbers are kept (bottom-k sampling). Every subset

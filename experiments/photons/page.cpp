@@ -16,7 +16,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <stdexcept>
 
 namespace gib {
 

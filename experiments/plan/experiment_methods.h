@@ -1,6 +1,7 @@
 #pragma once
 // Reads the [[method]] tables of an experiment file: methods of gibench and commands of other renderers.
 // Reads the [[method]] tables of an experiment file that have a command.
+//
 // Filters that are commands, such as Open Image Denoise: values of the key `filter` of an experiment file.
 
 #include "experiments/plan/external_method.h"

@@ -1,5 +1,6 @@
 #pragma once
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
+//
 // `gibench photons`: writes the page that shows the light that a method stores.
 
 #include "common/reader/scene_file.h"
@@ -9,7 +10,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace gib {
 

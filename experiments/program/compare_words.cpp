@@ -17,17 +17,6 @@ namespace gib {
 
 namespace {
 
-Image mean_of(const std::vector<Image>& images) {
-    Image mean(images.front().width, images.front().height);
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
-        double sum = 0;
-        for (const Image& image : images)
-            sum += double{image.rgb[i]};
-        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
-    }
-    return mean;
-}
-
 Image scaled(Image image, double factor) {
     for (float& value : image.rgb)
         value = static_cast<float>(static_cast<double>(value) * factor);
@@ -127,7 +116,7 @@ std::string comparison_sentence(const std::vector<Image>& tests, const Reference
                                 const Denominators& denominators) {
     for (const Image& test : tests)
         if (test.non_finite_values() > 0) return "values that are not finite have no error";
-    const Image mean = mean_of(tests);
+    const Image mean = mean_image(tests);
     const Brightness of_mean = brightness(mean, reference.mean, denominators.epsilon());
     const bool is_scaled = of_mean.differs();
     std::vector<Image> compared;

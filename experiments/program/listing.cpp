@@ -9,12 +9,9 @@
 #include "methods/method.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <ostream>
 

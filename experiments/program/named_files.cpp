@@ -3,11 +3,11 @@
 #include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
+#include "experiments/metrics/reference_image.h"
 #include "experiments/system/build_info.h"
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 namespace gib {
 
@@ -40,14 +40,6 @@ std::string file_or_shipped(const std::string& path_or_name, std::string_view ki
                                  path_or_name, kind, kind, nearest));
 }
 
-using Attributes = std::map<std::string, std::string>;
-
-/// The value of an attribute, "unknown" if the file does not have it.
-std::string attribute(const Attributes& attributes, const std::string& key) {
-    const auto found = attributes.find(key);
-    return found == attributes.end() ? "unknown" : found->second;
-}
-
 }  // namespace
 
 std::vector<std::string> shipped_scene_names() { return names_in(shipped_folder("scenes"), ".xml"); }
@@ -62,22 +54,22 @@ std::string experiment_file(const std::string& path_or_name) {
 
 void require_no_reference(const std::string& path) {
     const auto image = exr_attributes(path);
-    if (image && image->count("reference_key") > 0)
+    if (image && !attribute_in(*image, "reference_key").empty())
         reject({path}, "this is a reference (of '{}' by '{}'), which `render` does not replace; give another -o",
-               attribute(*image, "scene"), attribute(*image, "method"));
+               attribute_in(*image, "scene"), attribute_in(*image, "method"));
 }
 
 void require_own_reference(const std::string& path, const std::string& key) {
     const auto image = exr_attributes(path);
     if (!image) return;
     const auto replace = "give another -o, or --replace";
-    if (image->count("reference_key") == 0)
+    if (attribute_in(*image, "reference_key").empty())
         reject({path}, "this is an image, but no reference, and would be lost; {}", replace);
-    if (attribute(*image, "reference_key") != key)
+    if (attribute_in(*image, "reference_key") != key)
         reject(
             {path},
             "this is the reference of another scene, scene file, method or seed ('{}' by '{}'), and would be lost; {}",
-            attribute(*image, "scene"), attribute(*image, "method"), replace);
+            attribute_in(*image, "scene"), attribute_in(*image, "method"), replace);
 }
 
 }  // namespace gib

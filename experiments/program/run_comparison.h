@@ -5,6 +5,7 @@
 // together (ranking.h). Many numbers are compared, so that each interval is wide enough for all of them to hold together
 // (Bonferroni): of two equal runs, any number is called better or worse in one of twenty comparisons at most. That is as far as
 // seeds tell. The speed of a machine differs from run to run besides, so that a change of time below `same_speed` tells nothing.
+//
 // `gibench compare-runs`: what has changed between two runs of an experiment.
 
 #include "experiments/analysis/table_row.h"

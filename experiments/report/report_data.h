@@ -1,5 +1,6 @@
 #pragma once
 // The data of the report's charts as JSON: curves and spectra of each scene, by component.
+//
 // The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder (tuning_result.h).
 
 #include "experiments/analysis/analysis.h"
@@ -7,8 +8,6 @@
 
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
-
-#include <string>
 
 namespace gib {
 

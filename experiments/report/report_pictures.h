@@ -4,6 +4,7 @@
 // There is for each scene the reference, and for each method seed 1's final image by component, its frames
 // (cell_pictures.h), its map of FLIP and its bias (mean of the seeds against the reference). Pixels are half floats
 // (pack_half()), stored in elements of their own that the page's script unpacks when it shows them.
+//
 // Packs images as text inside a page: half floats, deflated, in base64. report_page/blobs.js unpacks them.
 
 #include "experiments/analysis/analysis.h"
@@ -14,7 +15,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace gib {

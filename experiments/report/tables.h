@@ -5,8 +5,6 @@
 #include "experiments/text/csv.h"
 #include "experiments/text/declared.h"
 
-#include <string>
-
 namespace gib {
 
 /// The CSV files and their columns.

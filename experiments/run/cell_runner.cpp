@@ -104,42 +104,42 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
-    const std::string folder = fs::path(fs::absolute(setup_.experiment.path)).parent_path().string();
-    if (!cell.external) {
-        const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-        CellTiming timing = run_cell_process(setup_.program,
-                                             {.scene_path = scene.entry.path,
-                                              .resolution = setup_.experiment.resolution,
-                                              .folders = setup_.experiment.paths,
-                                              .scene_hash = identity.scene_hash,
-                                              .method = identity.method,
-                                              .seed = identity.seed,
-                                              .budget = identity.budget,
-                                              .threads = setup_.threads,
-                                              .features = reads("albedo") || reads("normal") || reads("depth"),
-                                              .variance = reads("variance"),
-                                              .work_folder = work_folder},
-                                             observer);
-        if (cell.filter)
-            filter_checkpoints(setup_.program,
-                               {*cell.filter, folder, setup_.threads, folder_.cell_folder(cell.name), work_folder},
-                               timing.measurement);
-        return timing;
+    const auto command_cell = [&](const ExternalMethod& method) {
+        return CommandCell{
+            .method = method,
+            .folder = fs::absolute(setup_.experiment.path).lexically_normal().parent_path().string(),
+            .width = scene.width,
+            .height = scene.height,
+            .threads = setup_.threads,
+            .cell_folder = folder_.cell_folder(cell.name),
+            .work_folder = work_folder,
+        };
+    };
+    if (cell.external) {
+        const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
+        return run_external_cell(setup_.program, command_cell(*cell.external),
+                                 {.scene_file = scene.entry.path,
+                                  .scene_text = in_povray_form ? scene.povray : "",
+                                  .seed = identity.seed,
+                                  .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
+                                  .seconds = identity.budget.seconds});
     }
-    const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
-    const ExternalCell external{.method = *cell.external,
-                                .scene_file = scene.entry.path,
-                                .scene_text = in_povray_form ? scene.povray : "",
-                                .folder = folder,
-                                .width = scene.width,
-                                .height = scene.height,
-                                .seed = identity.seed,
-                                .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
-                                .seconds = identity.budget.seconds,
-                                .threads = setup_.threads,
-                                .cell_folder = folder_.cell_folder(cell.name),
-                                .work_folder = work_folder};
-    return run_external_cell(setup_.program, external);
+    const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
+    CellTiming timing = run_cell_process(setup_.program,
+                                         {.scene_path = scene.entry.path,
+                                          .resolution = setup_.experiment.resolution,
+                                          .folders = setup_.experiment.paths,
+                                          .scene_hash = identity.scene_hash,
+                                          .method = identity.method,
+                                          .seed = identity.seed,
+                                          .budget = identity.budget,
+                                          .threads = setup_.threads,
+                                          .features = reads("albedo") || reads("normal") || reads("depth"),
+                                          .variance = reads("variance"),
+                                          .work_folder = work_folder},
+                                         observer);
+    if (cell.filter) filter_checkpoints(setup_.program, command_cell(*cell.filter), timing.measurement);
+    return timing;
 }
 
 Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const {

@@ -6,12 +6,9 @@
 #include "experiments/run/run_log.h"
 #include "experiments/run/work_list.h"
 
-#include <chrono>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace gib {

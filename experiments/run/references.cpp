@@ -1,6 +1,5 @@
 #include "experiments/run/references.h"
 
-#include "common/core/files.h"
 #include "common/core/parallel.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/plan/label_checks.h"

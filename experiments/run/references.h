@@ -7,7 +7,6 @@
 #include "experiments/run/run_log.h"
 #include "experiments/run/run_setup.h"
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,6 +1,5 @@
 #include "experiments/run/run_experiment.h"
 
-#include "common/core/reject.h"
 #include "common/images/image_file.h"
 #include "experiments/results/manifest.h"
 #include "experiments/run/run_session.h"

@@ -1,5 +1,6 @@
 #pragma once
 // Runs an experiment (`gibench run`), from its file to its tables and report, or a share of its cells.
+//
 // Repeats a run (`gibench run --repeat RESULT_DIR`): renders every complete cell again, with exactly as many passes
 // and threads, into another result folder. The images have to be identical bit for bit.
 

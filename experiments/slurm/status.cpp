@@ -12,7 +12,6 @@
 #include <array>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 #include <ostream>
 #include <set>
 

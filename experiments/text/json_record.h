@@ -1,5 +1,6 @@
 #pragma once
 // Records as JSON objects: a struct lists its members once, and is written and read by that list.
+//
 // Reads JSON files that gibench wrote and that may have been damaged since.
 
 #include <nlohmann/json.hpp>

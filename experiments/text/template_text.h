@@ -1,5 +1,6 @@
 #pragma once
 // Fills Mustache templates (kainjow's library).
+//
 // Files that the build embeds in the program: templates, styles and scripts of its pages, and the libraries these use.
 
 #include <kainjow/mustache.hpp>

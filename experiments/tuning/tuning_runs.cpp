@@ -98,6 +98,11 @@ void TuningRuns::spend(const std::string& name, double seconds) {
     write_file(session_->folder.file("times.json"), nlohmann::json(seconds_).dump(1) + "\n", Flush::later);
 }
 
+void TuningRuns::spend_again(const std::string& name, double seconds) {
+    const auto known = seconds_.find(name);
+    spend(name, known == seconds_.end() ? seconds : known->second);
+}
+
 std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     RunScene& scene = session_->setup.scenes.front();
     const double target = parse_target(file_.target), most_error = most_reference_error * target;
@@ -117,8 +122,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     }
     session_->write_index();  // with the notes on the reference
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (seconds_.count(reference_entry) > 0) counted_.insert(reference_entry);
-    else spend(reference_entry, took);
+    spend_again(reference_entry, took);
 
     if (!error) return "the reference resolves no light of the scene";
     if (*error <= most_error) return "";
@@ -152,8 +156,7 @@ std::vector<TuningRuns::Run> TuningRuns::measured(const std::vector<Wanted>& wan
     for (const WorkCell& cell : cells) {
         const auto stored = folder.read_cell(cell.name, cell.identity.key());
         if (!stored) left.push_back(&cell);
-        else if (seconds_.count(cell.name) > 0) counted_.insert(cell.name);
-        else spend(cell.name, stored->load_seconds + stored->last().seconds);
+        else spend_again(cell.name, stored->load_seconds + stored->last().seconds);
     }
     run_cells(left, session_->runner, session_->log.progress,
               {.seconds_left = [&] { return deadline - used(); },

@@ -1,6 +1,5 @@
 // The times of a tuning: to an error from one run, the verdict of several runs (measured, extrapolated, not reachable), and
 // how the final runs share what is left.
-#include "experiments/tuning/final_budgets.h"
 #include "experiments/tuning/time_estimate.h"
 
 #include "tests/support/matchers.h"
