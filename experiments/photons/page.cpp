@@ -42,6 +42,14 @@ public:
                                                   values.size() * sizeof(T));
         elements_.push_back(object{{"name", name}, {"text", base64(bytes)}});
     }
+    /// The same of what `of` makes of each item.
+    template <typename Item, typename Of>
+    void add(const std::string& name, const std::vector<Item>& items, const Of& of) {
+        std::vector<decltype(of(items.front()))> values;
+        for (const Item& item : items)
+            values.push_back(of(item));
+        add(name, values);
+    }
     data elements() const { return elements_; }
 
 private:
@@ -124,28 +132,15 @@ json photons_json(const CollectedLight& light, Arrays& arrays) {
 }
 
 void add_records(const std::vector<StoredRecord>& records, Arrays& arrays) {
-    std::vector<Position> positions, normals, irradiances;
-    std::vector<float> radii;
-    for (const StoredRecord& record : records) {
-        positions.push_back(position_of(record.p));
-        normals.push_back(position_of(record.n));
-        irradiances.push_back(color_of(record.irradiance));
-        radii.push_back(record.radius);
-    }
-    arrays.add("record-positions", positions);
-    arrays.add("record-normals", normals);
-    arrays.add("record-irradiances", irradiances);
-    arrays.add("record-radii", radii);
+    arrays.add("record-positions", records, [](const StoredRecord& r) { return position_of(r.p); });
+    arrays.add("record-normals", records, [](const StoredRecord& r) { return position_of(r.n); });
+    arrays.add("record-irradiances", records, [](const StoredRecord& r) { return color_of(r.irradiance); });
+    arrays.add("record-radii", records, [](const StoredRecord& r) { return r.radius; });
 }
 
 void add_patches(const StoredPatches& patches, Arrays& arrays) {
-    std::vector<Position> corners, radiosities;
-    for (const Vec3& corner : patches.corners)
-        corners.push_back(position_of(corner));
-    for (const Color& radiosity : patches.radiosity)
-        radiosities.push_back(color_of(radiosity));
-    arrays.add("patch-corners", corners);
-    arrays.add("patch-radiosities", radiosities);
+    arrays.add("patch-corners", patches.corners, position_of);
+    arrays.add("patch-radiosities", patches.radiosity, color_of);
     arrays.add("patch-indices", patches.patches);
 }
 

@@ -13,28 +13,26 @@
 
 namespace gib {
 
-struct RenderOptions {
+/// Work on one scene with one method.
+struct SceneJob {
     std::string scene;
     std::string method;  ///< label
     std::uint64_t seed = 1;
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;
+};
+
+struct RenderOptions : SceneJob {
     bool features = false;  ///< adds the layers albedo, normal and depth
 };
 int render(const RenderOptions& options, std::ostream& out);
 
-struct ReferenceOptions {
-    std::string scene;
-    std::string method = "auto";
+struct ReferenceOptions : SceneJob {
     std::optional<std::string> target;
     std::optional<double> seconds;
     std::optional<double> epsilon;  ///< epsilon of the relative error [radiance^2]; none: the default (epsilon.h)
-    std::uint64_t seed = 1;
-    int threads = 0;
-    SceneLoadOptions loading;
-    std::string out;
-    bool replace = false;  ///< an image at `out` that is not the reference of this scene, method and size
+    bool replace = false;           ///< an image at `out` that is not the reference of this scene, method and size
 };
 int make_reference_file(const ReferenceOptions& options, std::ostream& out);
 
@@ -62,17 +60,11 @@ void check_writable(const std::string& path, std::string_view extension = ".exr"
 /// The scene of a file or of a name, with its warnings printed.
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading);
 
-struct PhotonsOptions {
-    std::string scene;
-    std::string method;  ///< label
-    std::uint64_t seed = 1;
-    int threads = 0;
-    SceneLoadOptions loading;
+struct PhotonsOptions : SceneJob {
     std::size_t most_photons = 200000;  ///< number of photons shown
-    std::optional<std::uint32_t>
-        passes;             ///< limit on passes; none: that of the label or the scene, but at most default_passes
+    /// Limit on passes; none: that of the label or the scene, but at most default_passes.
+    std::optional<std::uint32_t> passes;
     std::string reference;  ///< file; empty: the page tells no truth
-    std::string out;
 };
 /// Passes of a method that stores other light in each, and of an image beside light that stays.
 inline constexpr std::uint32_t default_passes = 16, default_image_passes = 4, most_passes_shown = 255;
