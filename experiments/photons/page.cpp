@@ -23,9 +23,6 @@ static_assert(std::endian::native == std::endian::little, "the page reads its ar
 
 namespace {
 
-using kainjow::mustache::data;
-using kainjow::mustache::list;
-using kainjow::mustache::object;
 using nlohmann::json;
 
 /// Triangles of the scene on a page, which take 9 MB in base64.
@@ -40,7 +37,7 @@ public:
     void add(const std::string& name, const std::vector<T>& values) {
         const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.data()),
                                                   values.size() * sizeof(T));
-        elements_.push_back(object{{"name", name}, {"text", base64(bytes)}});
+        elements_.push_back({{"name", name}, {"text", base64(bytes)}});
     }
     /// The same of what `of` makes of each item.
     template <typename Item, typename Of>
@@ -50,10 +47,10 @@ public:
             values.push_back(of(item));
         add(name, values);
     }
-    data elements() const { return elements_; }
+    const json& elements() const { return elements_; }
 
 private:
-    list elements_;
+    json elements_ = json::array();
 };
 
 using Position = std::array<float, 3>;
@@ -280,15 +277,15 @@ std::string photons_page(const PageContent& content) {
     const json imports = {{"imports",
                            {{"three", data_url(embedded_file("three.js"))},
                             {"three/orbit-controls", data_url(embedded_file("OrbitControls.js"))}}}};
-    const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
-                               {"scene", html_escape(content.scene.name)},
-                               {"method", html_escape(content.method)},
-                               {"style", std::string(embedded_file("report_page/scheme.css")) +
-                                             std::string(embedded_file("photons_page/page.css"))},
-                               {"facts", script_safe_json(facts.dump())},
-                               {"arrays", arrays.elements()},
-                               {"imports", imports.dump()},
-                               {"script", script_safe_code(page_script())}};
+    const json values = {{"title", html_escape(content.method + " in " + content.scene.name)},
+                         {"scene", html_escape(content.scene.name)},
+                         {"method", html_escape(content.method)},
+                         {"style", std::string(embedded_file("report_page/scheme.css")) +
+                                       std::string(embedded_file("photons_page/page.css"))},
+                         {"facts", script_safe_json(facts.dump())},
+                         {"arrays", arrays.elements()},
+                         {"imports", imports.dump()},
+                         {"script", script_safe_code(page_script())}};
     return filled(embedded_file("photons_page/page.html"), values,
                   [](std::string_view text) { return std::string(text); });
 }

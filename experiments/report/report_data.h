@@ -6,7 +6,6 @@
 #include "experiments/analysis/analysis.h"
 #include "experiments/results/result_folder.h"
 
-#include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
 
 namespace gib {
@@ -19,6 +18,6 @@ namespace gib {
 nlohmann::json report_data(const Analysis& analysis);
 
 /// Adds the words to the page and the numbers of the charts to its data. Nothing, if the folder is that of no tuning.
-void add_tuning(const ResultFolder& folder, kainjow::mustache::data& page, nlohmann::json& numbers);
+void add_tuning(const ResultFolder& folder, nlohmann::json& page, nlohmann::json& numbers);
 
 }  // namespace gib

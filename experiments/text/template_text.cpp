@@ -2,22 +2,48 @@
 
 #include "experiments/text/html.h"
 
+#include <kainjow/mustache.hpp>
+#include <nlohmann/json.hpp>
+
 #include <stdexcept>
 
 namespace gib {
 
-std::string filled(std::string_view page, const kainjow::mustache::data& values,
-                   std::string (*escape)(std::string_view)) {
+namespace {
+
+using kainjow::mustache::data;
+
+data data_of(const nlohmann::json& value) {
+    if (value.is_array()) {
+        data list{data::type::list};
+        for (const auto& item : value)
+            list.push_back(data_of(item));
+        return list;
+    }
+    if (value.is_object()) {
+        data object{data::type::object};
+        for (const auto& [name, member] : value.items())
+            object[name] = data_of(member);
+        return object;
+    }
+    if (value.is_number()) return value.dump();
+    if (value.is_string() && value != "") return value.get<std::string>();
+    return value == true;
+}
+
+}  // namespace
+
+std::string filled(std::string_view page, const nlohmann::json& values, std::string (*escape)(std::string_view)) {
     kainjow::mustache::mustache text{std::string(page)};
     text.set_custom_escape([escape](const std::string& part) { return escape(part); });
     std::string result;
-    text.render(values, [&](const std::string& part) { result += part; });
+    text.render(data_of(values), [&](const std::string& part) { result += part; });
     if (!text.is_valid()) throw std::logic_error("not a template: " + text.error_message());
     return result;
 }
 
-kainjow::mustache::list embedded_scripts(std::initializer_list<std::string_view> names) {
-    kainjow::mustache::list scripts;
+nlohmann::json embedded_scripts(std::initializer_list<std::string_view> names) {
+    auto scripts = nlohmann::json::array();
     for (const std::string_view name : names)
         scripts.push_back(script_safe_code(embedded_file(name)));
     return scripts;

@@ -3,7 +3,7 @@
 //
 // Files that the build embeds in the program: templates, styles and scripts of its pages, and the libraries these use.
 
-#include <kainjow/mustache.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <initializer_list>
 #include <string>
@@ -11,12 +11,11 @@
 
 namespace gib {
 
-/// The template with the data in place; `escape` writes every text.
-std::string filled(std::string_view page, const kainjow::mustache::data& values,
-                   std::string (*escape)(std::string_view));
+/// The template with the values in place; `escape` writes every text. Empty texts and null count as false.
+std::string filled(std::string_view page, const nlohmann::json& values, std::string (*escape)(std::string_view));
 
 /// Embedded scripts as a list of texts that may stand in <script> elements.
-kainjow::mustache::list embedded_scripts(std::initializer_list<std::string_view> names);
+nlohmann::json embedded_scripts(std::initializer_list<std::string_view> names);
 
 /// The content of a file by its path below experiments/, such as "report_page/page.html", or of a library with its licence:
 /// "chart.js", "three.js", "OrbitControls.js". Throws std::logic_error if there is none.
