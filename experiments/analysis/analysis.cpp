@@ -26,37 +26,21 @@ namespace {
 
 /// The components of a scene that hold light, by its reference and by the images of its methods. Light that the reference
 /// does not judge, or that a method leaves out, decides whether a verdict about the whole image holds.
-class SceneLight {
-public:
-    /// Takes what the reference shows of the components that it resolves and of the others.
-    explicit SceneLight(const Reference& reference) {
-        const Components unresolved(reference.unresolved);
-        for (Component c : all_components)
-            if (const auto& layer = reference[c]) add(c, layer->mean, !unresolved.has(c));
+struct SceneLight {
+    Components seen, sampled;
+    /// Adds what an image shows of a component, of which it may have all paths.
+    void add(Component c, const Image& image, bool has_all_paths) {
+        if (has_all_paths) sampled.add(c);
+        if (!seen.has(c) && !is_black(image)) seen.add(c);
     }
-    /// Adds the images of a method. `left_out` are the components of which it leaves out paths.
-    void add(const std::vector<ComponentImages>& images, const Components& left_out) {
-        for (const ComponentImages& image : images)
-            for (Component c : all_components)
-                if (image[c]) add(c, *image[c], !left_out.has(c));
-    }
-
     /// Those of the components that hold light: some image shows it, or no image has all of the component's paths, so that
     /// none would show it.
-    Components holding_light(const Components& components) const {
+    Components among(const Components& components) const {
         Components found;
         for (const Component c : components.list())
-            if (seen_.has(c) || !sampled_.has(c)) found.add(c);
+            if (seen.has(c) || !sampled.has(c)) found.add(c);
         return found;
     }
-
-private:
-    void add(Component c, const Image& image, bool has_all_paths) {
-        if (has_all_paths) sampled_.add(c);
-        if (!seen_.has(c) && !is_black(image)) seen_.add(c);
-    }
-
-    Components seen_, sampled_;
 };
 
 /// The replicates of one method on one scene.
@@ -167,8 +151,8 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
-    if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
-        quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
+    quality.samples =
+        number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0) * reference_groups;
     for (const auto& [name, layer] : judgement.layers())
         quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
@@ -240,10 +224,10 @@ void drop_dark_scene(const std::string& scene, Analysis& analysis) {
 
 /// Whether the reference consists of images of this method, so that a difference between them says nothing of the reference.
 bool has_made(const std::string& method, const Reference& reference) {
-    const auto makers = reference.metadata.find("makers"), only = reference.metadata.find("method");
-    if (makers == reference.metadata.end())
-        return only != reference.metadata.end() && MethodLabel::parse(only->second).name == method;
-    const auto shares = shares_in(makers->second);
+    const std::string makers = attribute_in(reference.metadata, "makers");
+    const std::string only = attribute_in(reference.metadata, "method");
+    if (makers.empty()) return !only.empty() && MethodLabel::parse(only).name == method;
+    const auto shares = shares_in(makers);
     return std::ranges::any_of(shares,
                                [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
@@ -271,7 +255,10 @@ struct SceneRows {
 SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& reference, const Judgement& judgement,
                         const ResultFolder& folder, const Analysis& analysis) {
     SceneRows all{.is_lit = !is_black(reference.total.mean)};
-    SceneLight light(reference);
+    SceneLight light;
+    const Components unresolved(reference.unresolved);
+    for (Component c : all_components)
+        if (const auto& layer = reference[c]) light.add(c, layer->mean, !unresolved.has(c));
     const CellsByMethod cells = cells_by_method(analysis, quality.scene);
     std::set<std::string> equal;  // methods all of whose totals are equal
     for (const auto& method : analysis.index.methods) {
@@ -283,17 +270,19 @@ SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& refere
             all.contradictions.try_emplace(c.component, method, c);
         all.is_lit = all.is_lit || replicates.is_lit;
         if (replicates.are_equal()) equal.insert(method);
-        light.add(replicates.images, left_out);
+        for (const ComponentImages& image : replicates.images)
+            for (Component c : all_components)
+                if (image[c]) light.add(c, *image[c], !left_out.has(c));
         for (auto& row : rows_of(replicates, analysis.index, judgement, quality, folder))
             all.rows.push_back(std::move(row));
     }
     for (TableRow& row : all.rows) {
         const Components left_out = analysis.index.left_out_by(quality.scene, row.method).components;
-        row.components_missing = light.holding_light(left_out);
+        row.components_missing = light.among(left_out);
         row.is_unbiased = is_unbiased(row, left_out);
         drop_intervals_of_equal_images(row, equal.count(row.method) > 0);
     }
-    all.unjudged = light.holding_light(Components(reference.unresolved));
+    all.unjudged = light.among(unresolved);
     return all;
 }
 

@@ -353,12 +353,9 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
 
 std::vector<Crossover> crossovers(const Analysis& analysis) {
     std::vector<Crossover> all;
-    for (const auto& scene : scenes_of(analysis)) {
-        const Contest contest(analysis, scene);
-        if (contest.methods() < 2 || !contest.is_judged()) continue;
+    for (const auto& [scene, contest] : contests_of(analysis))
         for (Crossover& change : Scan(scene, contest).changes())
             all.push_back(std::move(change));
-    }
     return all;
 }
 

@@ -285,6 +285,17 @@ private:
     std::string text_;
 };
 
+/// One <shape> of the scene's file.
+struct ShapePlace {
+    SourceLocation where, bsdf_where, emitter_where;  ///< places; without a bsdf or emitter, that of the shape
+    std::string type, bsdf_type;                      ///< plugins; of a `twosided` the first bsdf in it; empty: none
+};
+
+struct ScenePlaces {
+    SourceLocation root, sensor, film, medium, emitter;  ///< places of the first of each, else of the root
+    std::vector<ShapePlace> shapes;                      ///< in the order of the file
+};
+
 std::string type_of(const XmlElement& element) {
     const XmlAttribute* type = element.find("type");
     return type ? type->value : "";
@@ -310,12 +321,7 @@ ShapePlace place_of(const NestedObject& shape, const XmlIds& ids) {
     return place;
 }
 
-}  // namespace
-
-std::string povray_scene(const LoadedScene& loaded, const ScenePlaces& places) {
-    return PovrayWriter(loaded, places).text();
-}
-
+/// Reads the scene's file again for the places. Throws InputError as load_scene() does.
 ScenePlaces scene_places(const std::string& path, const SceneLoadOptions& options) {
     ContentHash hash;
     LoadWarnings warnings;
@@ -339,6 +345,13 @@ ScenePlaces scene_places(const std::string& path, const SceneLoadOptions& option
     for (const NestedObject& shape : scene.objects("shape"))
         places.shapes.push_back(place_of(shape, ids));
     return places;
+}
+
+}  // namespace
+
+std::string povray_scene(const LoadedScene& loaded, const std::string& file, const SceneLoadOptions& options) {
+    const ScenePlaces places = scene_places(file, options);
+    return PovrayWriter(loaded, places).text();
 }
 
 }  // namespace gib

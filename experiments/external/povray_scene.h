@@ -23,8 +23,6 @@
 // The command chooses the method by Declare=NAME=VALUE: `Radiosity` rays of each record of its irradiance cache, with
 // `RadiosityError` as its error_bound (default 0.5); `Photons` aimed at glass and mirrors; `LampPoints` shadow rays along
 // each edge of a lamp (default 4), jittered.
-//
-// Places of the parts of a scene in its file, for messages about what another renderer's form cannot express.
 
 #include "common/core/error.h"
 #include "common/reader/scene_file.h"
@@ -34,22 +32,8 @@
 
 namespace gib {
 
-/// The scene as the text of a .pov file. `places` are those of its file. Throws InputError, at its place, for what POV-Ray's
-/// form cannot express.
-std::string povray_scene(const LoadedScene& loaded, const ScenePlaces& places);
-
-/// One <shape> of the scene's file.
-struct ShapePlace {
-    SourceLocation where, bsdf_where, emitter_where;  ///< places; without a bsdf or emitter, that of the shape
-    std::string type, bsdf_type;                      ///< plugins; of a `twosided` the first bsdf in it; empty: none
-};
-
-struct ScenePlaces {
-    SourceLocation root, sensor, film, medium, emitter;  ///< places of the first of each, else of the root
-    std::vector<ShapePlace> shapes;                      ///< in the order of the file
-};
-
-/// Reads the scene's file again for the places. Throws InputError as load_scene() does.
-ScenePlaces scene_places(const std::string& path, const SceneLoadOptions& options);
+/// The scene as the text of a .pov file. Its file is read again, with the same options, for the places of its parts. Throws
+/// InputError, at its place, for what POV-Ray's form cannot express.
+std::string povray_scene(const LoadedScene& loaded, const std::string& file, const SceneLoadOptions& options);
 
 }  // namespace gib

@@ -127,7 +127,7 @@ private:
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
             const auto metadata = exr_attributes(work_.path).value();
-            if (const auto makers = metadata.find("makers"); makers != metadata.end()) stored_shares_ = makers->second;
+            stored_shares_ = attribute_in(metadata, "makers");
             for (const ReferenceMaker& maker : makers_)
                 if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
                     throw InputError({work_.path}, "it lacks what '" + maker.name() + "' makes");
@@ -346,19 +346,18 @@ private:
     }
 
     void show(double passes_of_round) {
-        const double done = static_cast<double>(groups_.passes) + passes_of_round;
-        double all = 0, left = 0;
-        if (work_.goal.target && groups_.passes > 0) {
-            all = static_cast<double>(groups_.passes) + schedule_.passes_needed(state(), shares_);
-            left = groups_.seconds * (all - done) / static_cast<double>(groups_.passes);
+        const auto& goal = work_.goal;
+        const double done = static_cast<double>(groups_.passes) + passes_of_round, seconds = groups_.seconds;
+        double fraction = 0, left = infinity;
+        if (goal.target && groups_.passes > 0) {
+            const double all = static_cast<double>(groups_.passes) + schedule_.passes_needed(state(), shares_);
+            fraction = done / all;
+            left = seconds * (all - done) / static_cast<double>(groups_.passes);
         }
-        if (work_.goal.seconds && (all == 0 || left > *work_.goal.seconds - groups_.seconds)) {
-            left = std::max(0.0, *work_.goal.seconds - groups_.seconds);
-            all = 0;
+        if (goal.seconds && left > *goal.seconds - seconds) {
+            left = std::max(0.0, *goal.seconds - seconds);
+            fraction = seconds / (seconds + left + 1e-9);
         }
-        const double fraction = all > 0              ? done / all
-                                : work_.goal.seconds ? groups_.seconds / (groups_.seconds + left + 1e-9)
-                                                     : 0;
         const std::string error =
             groups_.passes > 0 ? fmt::format(", error {:.3g} %", 100 * result_.relative_error) : "";
         progress_.update(fraction, groups_.passes > 0 ? std::optional(left) : std::nullopt,
@@ -487,11 +486,8 @@ void make_batch(const ReferenceWork& work, const ReferenceBatch& batch) { Maker:
 
 std::string stored_reference_identity(const std::string& path) {
     const auto metadata = exr_attributes(path);
-    if (!metadata) return "";
-    const auto key = metadata->find("reference_key");
-    const auto passes = metadata->find("passes");
-    if (key == metadata->end() || passes == metadata->end()) return "";
-    return key->second + ":" + passes->second;
+    if (!metadata || metadata->count("reference_key") == 0 || metadata->count("passes") == 0) return "";
+    return metadata->at("reference_key") + ":" + metadata->at("passes");
 }
 
 }  // namespace gib

@@ -13,15 +13,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 namespace gib {
 
 namespace {
 
 template <typename Number>
-Number number_in(const Reference& file, const std::string& key, const std::string& path) {
-    const auto entry = file.metadata.find(key);
-    const auto value = entry == file.metadata.end() ? std::nullopt : number_from<Number>(entry->second);
+Number number_in(const std::map<std::string, std::string>& metadata, const std::string& key, const std::string& path) {
+    const auto value = number_from<Number>(attribute_in(metadata, key));
     if (!value) reject({path}, "not a reference of gibench: its attribute '{}' is missing or no number", key);
     return *value;
 }
@@ -53,14 +53,6 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> digest_keys = {"work", "seconds", "not_finite", "first_not_finite"};
 constexpr const char* digest_key = "digest";
-
-template <typename Number>
-Number number_in(const LayeredImage& file, const std::string& key) {
-    const auto entry = file.metadata.find(key);
-    const auto value = entry == file.metadata.end() ? std::nullopt : number_from<Number>(entry->second);
-    if (!value) throw InputError("no number");
-    return *value;
-}
 
 /// Whether all values are finite and, of a standard error, not negative.
 bool is_sound(const ReferenceLayer& layer) {
@@ -102,21 +94,19 @@ Reference ReferenceGroups::reference() const {
 
 ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string& key, int width, int height) {
     const Reference file = read_reference(path);
-    const auto stored_key = file.metadata.find("reference_key");
-    if (stored_key == file.metadata.end() || stored_key->second != key)
+    if (attribute_in(file.metadata, "reference_key") != key)
         throw InputError({path}, "it is not the reference of this scene and method");
     if (!is_verified(file)) throw InputError({path}, "it has no digest, so damage to it would not be seen");
     if (file.total.mean.width != width || file.total.mean.height != height)
         throw InputError({path}, "its size is not the scene's");
     ReferenceGroups groups;
-    groups.rounds = number_in<std::uint32_t>(file, "rounds", path);
-    groups.passes = number_in<std::uint64_t>(file, "passes", path);
-    groups.seconds = number_in<double>(file, "seconds", path);
-    if (file.metadata.count("work") > 0) groups.work = number_in<double>(file, "work", path);
+    groups.rounds = number_in<std::uint32_t>(file.metadata, "rounds", path);
+    groups.passes = number_in<std::uint64_t>(file.metadata, "passes", path);
+    groups.seconds = number_in<double>(file.metadata, "seconds", path);
+    if (file.metadata.count("work") > 0) groups.work = number_in<double>(file.metadata, "work", path);
     if (file.metadata.count("not_finite") > 0) {
-        groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
-        if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
-            groups.dropped.first = first->second;
+        groups.dropped.count = number_in<std::uint64_t>(file.metadata, "not_finite", path);
+        groups.dropped.first = attribute_in(file.metadata, "first_not_finite");
     }
     groups.groups_.resize(reference_groups);
     for (auto& group : groups.groups_) {
@@ -149,15 +139,12 @@ std::optional<MadeBatch> BatchFolder::read(const ReferenceBatch& batch) const {
     if (!has(batch)) return std::nullopt;
     try {
         const LayeredImage file = read_image(file_of(batch));
-        const auto digest = file.metadata.find(digest_key);
-        if (digest == file.metadata.end() || digest->second != image_digest(file, digest_keys)) return std::nullopt;
-        MadeBatch made{.images = components_in(file),
-                       .dropped = {number_in<std::uint64_t>(file, "not_finite"), ""},
-                       .work = number_in<double>(file, "work"),
-                       .seconds = number_in<double>(file, "seconds")};
-        if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
-            made.dropped.first = first->second;
-        return made;
+        if (attribute_in(file.metadata, digest_key) != image_digest(file, digest_keys)) return std::nullopt;
+        return MadeBatch{.images = components_in(file),
+                         .dropped = {number_in<std::uint64_t>(file.metadata, "not_finite", path_),
+                                     attribute_in(file.metadata, "first_not_finite")},
+                         .work = number_in<double>(file.metadata, "work", path_),
+                         .seconds = number_in<double>(file.metadata, "seconds", path_)};
     } catch (const std::exception&) {  // any exception, because a damaged file can contain anything
         return std::nullopt;
     }
@@ -201,8 +188,8 @@ GivenReference given_reference(const std::string& path, int width, int height, c
         sound = sound && (!component || is_sound(*component));
     if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
     if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
-    if (const auto scene = reference.metadata.find("scene_hash");
-        scene != reference.metadata.end() && scene->second != content_hash)
+    if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
+        !scene.empty() && scene != content_hash)
         throw InputError({path}, "the reference is that of another scene, or of another version of this one");
 
     // Other attributes are those of the file's own format.

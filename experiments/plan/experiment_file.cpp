@@ -165,10 +165,8 @@ std::string checked_method(const TuneFile::Text& label) {
 void read_tune(const TomlReader& reader, const toml::table& table, TuneFile& file) {
     reader.check_keys(table, "tune", names_of(experiment_keys(), "[tune]"));
     if (const auto* target = table.get("target")) {
-        if (!target->is_string() && !target->is_number())
-            throw InputError(reader.at(*target), "'target' needs a relative error such as \"1%\"");
+        read_target(reader, *target);
         file.target = reader.text_of(*target);
-        parse_target(file.target, reader.at(*target));
     }
     if (const auto* method = table.get("method"))
         for (const auto& label : read_texts(reader, *method, "method", "labels"))
@@ -216,11 +214,7 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
-    auto [labels, externals, filters, given_names] = read_methods(reader, *methods);
-    experiment.methods = std::move(labels);
-    experiment.externals = std::move(externals);
-    experiment.filters = std::move(filters);
-    experiment.given_names = std::move(given_names);
+    static_cast<ExperimentMethods&>(experiment) = read_methods(reader, *methods);
     for (const auto& [text_of_label, external] : experiment.externals)
         if (external.takes("seconds") && !experiment.budget.seconds)
             reject(external.where, "a command with {{seconds}} needs a budget in seconds");

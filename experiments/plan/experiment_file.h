@@ -44,7 +44,7 @@ struct ExperimentScene {
     std::string reference_image = {};
 };
 
-struct Experiment {
+struct Experiment : ExperimentMethods {
     std::string path;
     std::string name;  ///< name of the file, without folder and extension
     std::string text;  ///< the whole file
@@ -57,10 +57,6 @@ struct Experiment {
     std::optional<double> epsilon;
     Budget budget;
     MethodLabel reference_method;
-    std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
-    std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
-    std::map<std::string, ExternalMethod> filters;    ///< commands that filter, by their names in labels
-    std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 
     /// The command of a label; null for a method of gibench.
     const ExternalMethod* external(const MethodLabel& label) const {

@@ -10,11 +10,18 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace gib {
 
 namespace {
+
+using Commands = std::map<std::string, ExternalMethod>;
+
+bool is_one_of(std::string_view word, const std::vector<std::string>& words) {
+    return std::ranges::find(words, word) != words.end();
+}
 
 /// The key `label` of a table; empty if it is not given.
 std::string read_given_name(const TomlReader& reader, const toml::table& table, std::set<std::string>& names) {
@@ -27,27 +34,54 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     return name;
 }
 
+/// The name of the file that the command's first word gives, of characters that a label may have.
+std::string program_of(const std::string& command) {
+    const std::string word = command.substr(0, command.find_first_of(" \t\n"));
+    std::string name = word.substr(word.rfind('/') + 1);
+    std::erase_if(name, [](char c) { return std::string_view("{}='\"`,;$").find(c) != std::string_view::npos; });
+    return name.empty() ? "command" : name;
+}
+
+/// The name in labels of a value of the key `filter`, which may be a command such as that of Open Image Denoise: the file's name of
+/// its first word, and a number if several commands have the same. Adds commands to `filters`.
+std::string read_filter(const TomlReader& reader, const toml::node& value, Commands& filters) {
+    static const std::vector<std::string> known = {"image", "albedo", "normal", "depth", "variance", "threads", "out"};
+    const std::string text = reader.string(value, "filter");
+    const SourceLocation where = reader.at(value);
+    if (text == no_filter || text == non_local_means_filter) return text;
+    const ExternalMethod command{.label = {}, .command = text, .where = where};
+    for (const char* needed : {"image", "out"})
+        if (!command.takes(needed))
+            reject(where, "'filter' is {}, {} or a command with the placeholders {{image}} and {{out}}, not '{}'{}",
+                   no_filter, non_local_means_filter, text,
+                   did_you_mean(text, {std::string(no_filter), std::string(non_local_means_filter)}));
+    for (const std::string& name : command.placeholders())
+        if (!is_one_of(name, known))
+            reject(where, "the placeholder {{{}}} has no value: there are {}", name, fmt::join(known, ", "));
+    for (int i = 1;; ++i) {
+        const std::string name = program_of(text) + (i == 1 ? "" : fmt::format("-{}", i));
+        const auto [entry, is_new] = filters.try_emplace(name, command);
+        if (is_new || entry->second.command == text) return name;
+    }
+}
+
 /// The names of the values of the key `filter`.
-std::vector<std::string> read_filters(const TomlReader& reader, const toml::table& table, FilterCommands& filters) {
+std::vector<std::string> read_filters(const TomlReader& reader, const toml::table& table, Commands& filters) {
     const auto* node = table.get("filter");
     if (!node) return {};
     const auto* list = node->as_array();
-    if (!list) return {filters.name_of(reader, *node)};
+    if (!list) return {read_filter(reader, *node, filters)};
     std::vector<std::string> names;
     for (const auto& value : reader.filled_array(*list, "filter", "values"))
-        names.push_back(filters.name_of(reader, value));
+        names.push_back(read_filter(reader, value, filters));
     return names;
 }
 
 /// Throws InputError if the label's filter takes two halves of the passes and there are none.
-void require_halves(const MethodLabel& label, const FilterCommands& filters, const SourceLocation& where) {
-    const auto command = filters.all().find(filter_of(label));
-    if (command == filters.all().end()) require_own_filter(label, where);
+void require_halves(const MethodLabel& label, const Commands& filters, const SourceLocation& where) {
+    const auto command = filters.find(filter_of(label));
+    if (command == filters.end()) require_own_filter(label, where);
     else if (command->second.takes("variance")) require_passes(label, 2, where);
-}
-
-bool is_one_of(std::string_view word, const std::vector<std::string>& words) {
-    return std::ranges::find(words, word) != words.end();
 }
 
 std::string read_choice(const TomlReader& reader, const toml::node& node, const std::string& key,
@@ -96,59 +130,9 @@ std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table
     return sweep.combinations();
 }
 
-/// Throws InputError unless every value of the label is read back as it was written.
-void require_label(const MethodLabel& label, const SourceLocation& where) {
-    if (MethodLabel::parse(label.text(), where).values != label.values)
-        reject(where, "'{}' cannot be the label of a method: its values have no spaces", label.text());
-}
-
-/// The name of the file that the command's first word gives, of characters that a label may have.
-std::string program_of(const std::string& command) {
-    const std::string word = command.substr(0, command.find_first_of(" \t\n"));
-    std::string name = word.substr(word.rfind('/') + 1);
-    std::erase_if(name, [](char c) { return std::string_view("{}='\"`,;$").find(c) != std::string_view::npos; });
-    return name.empty() ? "command" : name;
-}
-
-}  // namespace
-
-ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node) {
-    ExperimentMethods methods;
-    std::set<std::string> texts, names;
-    FilterCommands filters;
-    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
-        const auto& table = reader.table(item, "method");
-        const SourceLocation where = reader.at(item);
-        const std::string given_name = read_given_name(reader, table, names);
-        const auto add = [&](const MethodLabel& label) {
-            if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
-            methods.labels.push_back(label);
-            if (!given_name.empty()) methods.given_names[label.text()] = given_name;
-        };
-        if (table.get("command")) {
-            for (ExternalMethod& external : read_external_method(reader, table, where)) {
-                add(external.label);
-                methods.externals.emplace(external.label.text(), std::move(external));
-            }
-            continue;
-        }
-        const std::vector<std::string> filter_names = read_filters(reader, table, filters);
-        const auto* name = table.get("name");
-        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
-        const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
-        MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
-        for (const auto& entry : reader.entries(table))
-            if (entry.key == "filter") sweep.add(entry, filter_names);
-            else if (entry.key != "name" && entry.key != "label") sweep.add(entry);
-        for (const auto& label : sweep.labels(where)) {
-            require_halves(label, filters, where);
-            add(label);
-        }
-    }
-    methods.filters = filters.all();
-    return methods;
-}
-
+/// Reads a [[method]] table that has a `command`. A list of values makes a sweep. Throws InputError at its place for a
+/// name that a method of gibench has, a placeholder without a value, a key that is no placeholder, and a command that
+/// lacks {scene} or {out}.
 std::vector<ExternalMethod> read_external_method(const TomlReader& reader, const toml::table& table,
                                                  const SourceLocation& where) {
     const auto* name = table.get("name");
@@ -174,7 +158,8 @@ std::vector<ExternalMethod> read_external_method(const TomlReader& reader, const
     if (const auto* timeout = table.get("timeout")) method.timeout = reader.positive_number(*timeout, "timeout");
     std::vector<ExternalMethod> methods;
     for (MethodLabel& label : read_labels(reader, table, method.label.name, placeholders)) {
-        require_label(label, where);
+        if (MethodLabel::parse(label.text(), where).values != label.values)
+            reject(where, "'{}' cannot be the label of a method: its values have no spaces", label.text());
         methods.push_back(method);
         for (const auto& [key, value] : label.values)
             if (key == "spp")
@@ -185,29 +170,41 @@ std::vector<ExternalMethod> read_external_method(const TomlReader& reader, const
     return methods;
 }
 
-const std::vector<std::string>& filter_placeholders() {
-    static const std::vector<std::string> names = {"image", "albedo", "normal", "depth", "variance", "threads", "out"};
-    return names;
-}
+}  // namespace
 
-std::string FilterCommands::name_of(const TomlReader& reader, const toml::node& value) {
-    const std::string text = reader.string(value, "filter");
-    const SourceLocation where = reader.at(value);
-    if (text == no_filter || text == non_local_means_filter) return text;
-    const ExternalMethod command{.label = {}, .command = text, .where = where};
-    for (const char* needed : {"image", "out"})
-        if (!command.takes(needed))
-            reject(where, "'filter' is {}, {} or a command with the placeholders {{image}} and {{out}}, not '{}'{}",
-                   no_filter, non_local_means_filter, text,
-                   did_you_mean(text, {std::string(no_filter), std::string(non_local_means_filter)}));
-    for (const std::string& name : command.placeholders())
-        if (const auto& known = filter_placeholders(); std::ranges::find(known, name) == known.end())
-            reject(where, "the placeholder {{{}}} has no value: there are {}", name, fmt::join(known, ", "));
-    for (int i = 1;; ++i) {
-        const std::string name = program_of(text) + (i == 1 ? "" : fmt::format("-{}", i));
-        const auto [entry, is_new] = commands_.try_emplace(name, command);
-        if (is_new || entry->second.command == text) return name;
+ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node) {
+    ExperimentMethods methods;
+    std::set<std::string> texts, names;
+    for (const auto& item : reader.filled_array(node, "method", "[[method]] tables")) {
+        const auto& table = reader.table(item, "method");
+        const SourceLocation where = reader.at(item);
+        const std::string given_name = read_given_name(reader, table, names);
+        const auto add = [&](const MethodLabel& label) {
+            if (!texts.insert(label.text()).second) reject(where, "the method '{}' is listed twice", label.text());
+            methods.methods.push_back(label);
+            if (!given_name.empty()) methods.given_names[label.text()] = given_name;
+        };
+        if (table.get("command")) {
+            for (ExternalMethod& external : read_external_method(reader, table, where)) {
+                add(external.label);
+                methods.externals.emplace(external.label.text(), std::move(external));
+            }
+            continue;
+        }
+        const std::vector<std::string> filter_names = read_filters(reader, table, methods.filters);
+        const auto* name = table.get("name");
+        if (!name) throw InputError(where, "a [[method]] needs a 'name'");
+        const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
+        MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
+        for (const auto& entry : reader.entries(table))
+            if (entry.key == "filter") sweep.add(entry, filter_names);
+            else if (entry.key != "name" && entry.key != "label") sweep.add(entry);
+        for (const auto& label : sweep.labels(where)) {
+            require_halves(label, methods.filters, where);
+            add(label);
+        }
     }
+    return methods;
 }
 
 }  // namespace gib

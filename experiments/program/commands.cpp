@@ -135,8 +135,8 @@ Reference reference_of(const LoadedScene& loaded, const std::string& path) {
                          fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
                                      "changes that",
                                      image.width, image.height, scene.sensor().width(), scene.sensor().height()));
-    const auto hash = reference.metadata.find("scene_hash");
-    if (hash != reference.metadata.end() && hash->second != loaded.content_hash)
+    const std::string hash = attribute_in(reference.metadata, "scene_hash");
+    if (!hash.empty() && hash != loaded.content_hash)
         throw InputError({path}, "the reference is of another scene, or of another version of it");
     return reference;
 }

@@ -121,8 +121,10 @@ void RunSession::make_references() {
 }
 
 void RunSession::forget_cells() {
-    if (const std::size_t forgotten = forget_selected(list, folder); forgotten > 0)
-        log.progress.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
+    std::size_t forgotten = 0;
+    for (const WorkCell* cell : list.selected())
+        forgotten += fs::remove(folder.cell_folder(cell->name) + "/cell.json");
+    if (forgotten > 0) log.progress.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
 void RunSession::write_index() { folder.write_index(index_of(*this)); }

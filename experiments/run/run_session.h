@@ -25,7 +25,8 @@ struct RunSession {
 
     /// Brings the references of all scenes with selected cells to their goals. Throws Interrupted.
     void make_references();
-    /// Forgets the selected cells, so that they are measured again.
+    /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does not take them
+    /// for fresh ones.
     void forget_cells();
 
     /// Writes the index, without which there are no tables.

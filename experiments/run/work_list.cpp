@@ -114,11 +114,4 @@ std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolde
     return complete;
 }
 
-std::size_t forget_selected(const WorkList& list, const ResultFolder& folder) {
-    std::size_t forgotten = 0;
-    for (const WorkCell* cell : list.selected())
-        forgotten += std::filesystem::remove(folder.cell_folder(cell->name) + "/cell.json");
-    return forgotten;
-}
-
 }  // namespace gib
