@@ -137,7 +137,7 @@ Analysis one_label_a_method(const Analysis& analysis) {
     Analysis merged = analysis;
     std::set<SceneAndLabel> dropped;
     for (const auto& [key, labels] : runs_by_method(analysis)) {
-        const LabelRuns& longest = *std::ranges::max_element(labels);
+        const LabelRuns& longest = *std::max_element(labels.begin(), labels.end());
         std::vector<std::uint32_t> stops;
         for (const LabelRuns& runs : labels) {
             if (runs.label == longest.label) continue;

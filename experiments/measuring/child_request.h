@@ -25,7 +25,8 @@ Result result_of_child(const std::string& program, const char* subcommand, const
     write_file(file, j.dump(1) + "\n");
     run_child({program, subcommand, file}, on_line);
     try {
-        return read_json(request.work_folder + "/result.json").get<Result>();
+        const nlohmann::json result = read_json(request.work_folder + "/result.json");
+        return result.get<Result>();
     } catch (const std::exception& error) {
         throw RunError(fmt::format("the process left no record that can be read: {}", error.what()));
     }

@@ -15,6 +15,26 @@
 
 namespace gib {
 
+enum class Differing { either_way, brighter };
+
+/// The most significant difference of x from r, among blocks of `edge` and 8 `edge` pixels and the whole, or, with `brighter`,
+/// among those where x is brighter; empty if none is significant. If x and r are equal but for noise, there is one with a
+/// probability of `alpha` at most.
+std::optional<BlockTest> significant_difference(const ReferenceLayer& x, const ReferenceLayer& r, double alpha,
+                                                Differing differing, int edge = z_block_edge);
+
+/// Place and size of a difference, such as "pixels x 0 to 7, y 8 to 15: 0.1 more, 5.3 standard errors".
+std::string text_of(const BlockTest& difference);
+
+struct Contradiction {
+    Component component;
+    bool is_black = false;  ///< the reference's component is black, and images of the method have light in it
+    BlockTest where;        ///< the region, if not black; the deviation is that of the method
+
+    /// Such as "light of caustic, which the reference lacks (pixels ...)".
+    std::string text() const;
+};
+
 inline constexpr int agreement_edge = 8;  ///< [pixels]
 
 /// The means over blocks of pixels.
@@ -85,26 +105,6 @@ private:
     std::vector<std::vector<ComponentImages>> pilots_, groups_;  ///< by maker, the mean of each group over blocks
     std::vector<std::uint64_t> passes_;
     Grid pixels_;  ///< the pixels of each block
-};
-
-enum class Differing { either_way, brighter };
-
-/// The most significant difference of x from r, among blocks of `edge` and 8 `edge` pixels and the whole, or, with `brighter`,
-/// among those where x is brighter; empty if none is significant. If x and r are equal but for noise, there is one with a
-/// probability of `alpha` at most.
-std::optional<BlockTest> significant_difference(const ReferenceLayer& x, const ReferenceLayer& r, double alpha,
-                                                Differing differing, int edge = z_block_edge);
-
-/// Place and size of a difference, such as "pixels x 0 to 7, y 8 to 15: 0.1 more, 5.3 standard errors".
-std::string text_of(const BlockTest& difference);
-
-struct Contradiction {
-    Component component;
-    bool is_black = false;  ///< the reference's component is black, and images of the method have light in it
-    BlockTest where;        ///< the region, if not black; the deviation is that of the method
-
-    /// Such as "light of caustic, which the reference lacks (pixels ...)".
-    std::string text() const;
 };
 
 /// The components of a reference that images of a method contradict: every one that is black there and lit in an image; and every

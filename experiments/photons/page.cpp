@@ -228,14 +228,6 @@ std::string data_url(std::string_view script) {
            base64({reinterpret_cast<const std::uint8_t*>(script.data()), script.size()});
 }
 
-/// The page's own script, a module.
-std::string page_script() {
-    std::string script;
-    for (const char* name : {"data", "colors", "photons", "solids", "view", "panel", "estimates", "page"})
-        script += embedded_file(fmt::format("photons_page/{}.js", name));
-    return script;
-}
-
 }  // namespace
 
 std::array<std::uint8_t, 4> rgbe_of(const Colord& color) {
@@ -277,15 +269,18 @@ std::string photons_page(const PageContent& content) {
     const json imports = {{"imports",
                            {{"three", data_url(embedded_file("three.js"))},
                             {"three/orbit-controls", data_url(embedded_file("OrbitControls.js"))}}}};
-    const json values = {{"title", html_escape(content.method + " in " + content.scene.name)},
-                         {"scene", html_escape(content.scene.name)},
-                         {"method", html_escape(content.method)},
-                         {"style", std::string(embedded_file("report_page/scheme.css")) +
-                                       std::string(embedded_file("photons_page/page.css"))},
-                         {"facts", script_safe_json(facts.dump())},
-                         {"arrays", arrays.elements()},
-                         {"imports", imports.dump()},
-                         {"script", script_safe_code(page_script())}};
+    const json values = {
+        {"title", html_escape(content.method + " in " + content.scene.name)},
+        {"scene", html_escape(content.scene.name)},
+        {"method", html_escape(content.method)},
+        {"style",
+         std::string(embedded_file("report_page/scheme.css")) + std::string(embedded_file("photons_page/page.css"))},
+        {"facts", script_safe_json(facts.dump())},
+        {"arrays", arrays.elements()},
+        {"imports", imports.dump()},
+        {"script", embedded_scripts({"report_page/core.js", "report_page/controls.js", "photons_page/data.js",
+                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/view.js",
+                                     "photons_page/panel.js", "photons_page/estimates.js", "photons_page/page.js"})}};
     return filled(embedded_file("photons_page/page.html"), values,
                   [](std::string_view text) { return std::string(text); });
 }

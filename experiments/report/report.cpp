@@ -259,11 +259,12 @@ std::string report_html(const Analysis& whole, const ResultFolder& folder, std::
         std::string(embedded_file("report_page/scheme.css")) + std::string(embedded_file("report_page/page.css"));
     page["data"] = script_safe_json(numbers.dump());
     page["pictures"] = pictures.elements;
-    page["scripts"] = embedded_scripts({"chart.js", "report_page/core.js", "report_page/blobs.js",
-                                        "report_page/charts.js", "report_page/pixels.js", "report_page/sources.js",
-                                        "report_page/controls.js", "report_page/viewer.js", "report_page/gestures.js",
-                                        "report_page/pyramid.js", "report_page/panel.js", "report_page/strip.js",
-                                        "report_page/tuning.js", "report_page/sweeps.js", "report_page/page.js"});
+    page["chart_script"] = embedded_scripts({"chart.js"});
+    page["script"] = embedded_scripts({"report_page/core.js", "report_page/controls.js", "report_page/blobs.js",
+                                       "report_page/charts.js", "report_page/pixels.js", "report_page/sources.js",
+                                       "report_page/viewer.js", "report_page/gestures.js", "report_page/pyramid.js",
+                                       "report_page/panel.js", "report_page/strip.js", "report_page/sweeps.js",
+                                       "report_page/tuning.js", "report_page/page.js"});
     return filled(embedded_file("report_page/page.html"), page, sentence_html);
 }
 

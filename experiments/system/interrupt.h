@@ -3,6 +3,8 @@
 
 #include "common/core/error.h"
 
+#include <csignal>
+
 namespace gib {
 
 /// The exit codes of a program that failed and of one that Ctrl-C ended.

@@ -42,11 +42,11 @@ std::string filled(std::string_view page, const nlohmann::json& values, std::str
     return result;
 }
 
-nlohmann::json embedded_scripts(std::initializer_list<std::string_view> names) {
-    auto scripts = nlohmann::json::array();
+std::string embedded_scripts(std::initializer_list<std::string_view> names) {
+    std::string script;
     for (const std::string_view name : names)
-        scripts.push_back(script_safe_code(embedded_file(name)));
-    return scripts;
+        script += script_safe_code(embedded_file(name));
+    return script;
 }
 
 }  // namespace gib

@@ -56,6 +56,8 @@ private:
     void open(const std::vector<MethodLabel>& labels, int seeds);
     WorkCell cell_of(const Wanted& wanted) const;
     void spend(const std::string& name, double seconds);
+    /// The same with what times.json says it took, if it says so.
+    void spend_again(const std::string& name, double seconds);
 
     const TuneFile& file_;
     const ExperimentScene& scene_;
