@@ -31,27 +31,20 @@ bool has(const std::vector<Component>& list, Component c) { return std::ranges::
 struct GroupMoments {
     std::vector<double> mean, variance;
 };
-GroupMoments moments_of(const std::vector<const Image*>& groups) {
-    const std::size_t size = groups.front()->rgb.size();
+GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
+    const std::size_t size = groups.front()[c]->rgb.size();
     const auto n = static_cast<double>(groups.size());
     GroupMoments moments{std::vector<double>(size), std::vector<double>(size)};
     for (std::size_t i = 0; i < size; ++i) {
         double sum = 0, squares = 0;
-        for (const Image* group : groups)
-            sum += double{group->rgb[i]};
+        for (const ComponentImages& group : groups)
+            sum += double{group[c]->rgb[i]};
         moments.mean[i] = sum / n;
-        for (const Image* group : groups)
-            squares += sqr(double{group->rgb[i]} - moments.mean[i]);
+        for (const ComponentImages& group : groups)
+            squares += sqr(double{group[c]->rgb[i]} - moments.mean[i]);
         moments.variance[i] = squares / ((n - 1) * n);
     }
     return moments;
-}
-
-GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
-    std::vector<const Image*> images;
-    for (const ComponentImages& group : groups)
-        images.push_back(&*group[c]);
-    return moments_of(images);
 }
 
 /// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light

@@ -21,15 +21,19 @@ namespace {
 /// The relative standard error of references for which the experiment file gives neither a target nor a time.
 constexpr double default_target = 0.01;
 
-void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+/// A path that is relative to the experiment file, as the program opens it.
+std::string path_beside(const Experiment& experiment, const std::filesystem::path& written) {
     const auto folder = std::filesystem::path(experiment.path).parent_path();
+    return (written.is_absolute() ? written : folder / written).lexically_normal().string();
+}
+
+void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
     for (const auto& value : reader.filled_array(node, "scenes", "scene files")) {
         ExperimentScene scene;
         scene.where = reader.at(value);
         scene.written = reader.string(value, "scenes");
-        const std::filesystem::path written(scene.written);
-        scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
-        scene.name = written.stem().string();
+        scene.path = path_beside(experiment, scene.written);
+        scene.name = std::filesystem::path(scene.written).stem().string();
         if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
             reject(scene.where, "there is no scene file '{}'", scene.path);
         for (const auto& other : experiment.scenes)
@@ -90,7 +94,6 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
 
 /// Reads the images that are the references: one for the only scene, or a list with one for each scene.
 void read_reference_images(const TomlReader& reader, const toml::table& table, Experiment& experiment) {
-    namespace fs = std::filesystem;
     reader.check_keys(table, "[reference] with an image", {"image"});
     const toml::node& node = *table.get("image");
     const auto* list = node.as_array();
@@ -98,11 +101,10 @@ void read_reference_images(const TomlReader& reader, const toml::table& table, E
         reject(reader.at(node), "'image' gives {} references for {} scenes", count, experiment.scenes.size());
     for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
         const toml::node& value = list ? (*list)[i] : node;
-        const fs::path written = reader.string(value, "image");
-        const fs::path path = written.is_absolute() ? written : fs::path(experiment.path).parent_path() / written;
-        if (std::error_code error; !fs::is_regular_file(path, error))
-            reject(reader.at(value), "there is no image '{}'", path.lexically_normal().string());
-        experiment.scenes[i].reference_image = path.lexically_normal().string();
+        std::string& path = experiment.scenes[i].reference_image =
+            path_beside(experiment, reader.string(value, "image"));
+        if (std::error_code error; !std::filesystem::is_regular_file(path, error))
+            reject(reader.at(value), "there is no image '{}'", path);
     }
 }
 

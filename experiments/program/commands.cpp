@@ -86,9 +86,11 @@ void warn_of(const std::vector<std::string>& warnings) {
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
-/// A warning if the scene has no emitter; else empty.
-std::string darkness(const Scene& scene) {
-    return !scene.has_light() ? "nothing in the scene emits light: every image is black" : "";
+/// The warnings about a scene, also that it has no emitter.
+std::vector<std::string> warnings_of(const LoadedScene& loaded) {
+    std::vector<std::string> warnings = loaded.warnings;
+    if (!loaded.scene->has_light()) warnings.push_back("nothing in the scene emits light: every image is black");
+    return warnings;
 }
 
 /// Throws InputError if references were made but none can be read: the tables would have no rows and replace those
@@ -145,8 +147,7 @@ Reference reference_of(const LoadedScene& loaded, const std::string& path) {
 
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
     LoadedScene loaded = load_scene(scene_file(scene), loading);
-    warn_of(loaded.warnings);
-    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) warn_of({dark});
+    warn_of(warnings_of(loaded));
     return loaded;
 }
 
@@ -258,9 +259,8 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
     else chosen.emplace_back(MethodLabel::parse(method));
     require_own_filter(chosen.front().label);
     const LoadedScene loaded = load_scene(scene_file(scene), loading);
-    for (const auto& warning : loaded.warnings)
+    for (const auto& warning : warnings_of(loaded))
         out << "warning: " << warning << "\n";
-    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) out << "warning: " << dark << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     std::vector<std::vector<std::string>> lines;

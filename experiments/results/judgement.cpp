@@ -11,6 +11,15 @@ void subtract(Image& from, const Image& image) {
         from.rgb[i] -= image.rgb[i];
 }
 
+/// Subtracts what both have: the mean, the groups and the bias.
+void subtract(ReferenceLayer& from, const ReferenceLayer& layer) {
+    subtract(from.mean, layer.mean);
+    for (std::size_t g = 0; g < std::min(from.groups.size(), layer.groups.size()); ++g)
+        subtract(from.groups[g], layer.groups[g]);
+    for (std::size_t b = 0; b < std::min(from.bias.size(), layer.bias.size()); ++b)
+        subtract(from.bias[b], layer.bias[b]);
+}
+
 }  // namespace
 
 Judgement::Judgement(const Reference& reference) : reference_(reference) {
@@ -18,18 +27,8 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
     empty_ = std::ranges::none_of(all_components,
                                   [&](Component c) { return component(c) && !is_black(component(c)->mean); });
     ReferenceLayer total = reference.total;
-    for (Component c : reference.unresolved) {
-        const auto& layer = reference[c];
-        if (!layer) continue;
-        subtract(total.mean, layer->mean);
-        for (std::size_t g = 0; g < std::min(total.groups.size(), layer->groups.size()); ++g)
-            subtract(total.groups[g], layer->groups[g]);
-        for (std::size_t b = 0; b < std::min(total.bias.size(), layer->bias.size()); ++b) {
-            subtract(total.bias[b].mean, layer->bias[b].mean);
-            for (std::size_t g = 0; g < std::min(total.bias[b].groups.size(), layer->bias[b].groups.size()); ++g)
-                subtract(total.bias[b].groups[g], layer->bias[b].groups[g]);
-        }
-    }
+    for (Component c : reference.unresolved)
+        if (const auto& layer = reference[c]) subtract(total, *layer);
     if (total.groups.size() <= 1) {
         partial_total_ = std::move(total);
         return;
