@@ -10,7 +10,7 @@
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/results/cell_pictures.h"
+#include "experiments/results/pictures.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
 

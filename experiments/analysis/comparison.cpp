@@ -4,7 +4,7 @@
 #include "common/images/image_file.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/flip.h"
-#include "experiments/results/cell_pictures.h"
+#include "experiments/results/pictures.h"
 
 #include <algorithm>
 #include <cmath>

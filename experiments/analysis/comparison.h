@@ -3,7 +3,7 @@
 // checkpoints lie on the Pareto frontier of time and error, how bias falls with a parameter, and which stored image each method
 // shows at equal time.
 
-#include "experiments/analysis/contest.h"
+#include "experiments/analysis/ranking.h"
 #include "experiments/analysis/table_row.h"
 #include "experiments/results/judgement.h"
 

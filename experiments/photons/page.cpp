@@ -5,7 +5,6 @@
 #include "experiments/photons/surfaces.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/text/html.h"
-#include "experiments/text/template_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
-#include "experiments/external/command_process.h"
+#include "experiments/external/commands.h"
 #include "experiments/measuring/cell_process.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/program/command_line_text.h"

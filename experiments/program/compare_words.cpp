@@ -4,7 +4,7 @@
 #include "common/core/math.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/z_statistic.h"
-#include "experiments/results/color_maps.h"
+#include "experiments/results/pictures.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 
 #include "common/core/parallel.h"
 #include "experiments/analysis/analysis.h"
-#include "experiments/analysis/contest.h"
-#include "experiments/report/field_text.h"
+#include "experiments/analysis/ranking.h"
+#include "experiments/report/words.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/text/numbers.h"
 

@@ -2,16 +2,13 @@
 
 #include "common/core/files.h"
 #include "experiments/analysis/method_names.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
+#include "experiments/report/words.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
-#include "experiments/report/words.h"
-#include "experiments/results/color_maps.h"
+#include "experiments/results/pictures.h"
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
-#include "experiments/text/template_text.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>

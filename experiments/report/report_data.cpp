@@ -5,8 +5,8 @@
 #include "experiments/analysis/curves.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
+#include "experiments/text/html.h"
 #include "experiments/text/json_record.h"
-#include "experiments/text/template_text.h"
 
 #include <fmt/format.h>
 

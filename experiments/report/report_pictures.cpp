@@ -3,8 +3,7 @@
 #include "common/core/error.h"
 #include "common/images/image_file.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/results/color_maps.h"
-#include "experiments/results/cell_pictures.h"
+#include "experiments/results/pictures.h"
 #include "experiments/results/judgement.h"
 
 #include <fmt/format.h>

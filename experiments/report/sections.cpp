@@ -3,8 +3,6 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
 #include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 

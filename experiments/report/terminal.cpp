@@ -2,8 +2,7 @@
 
 #include "experiments/analysis/curves.h"
 #include "experiments/analysis/method_names.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
+#include "experiments/report/words.h"
 
 #include <fmt/format.h>
 

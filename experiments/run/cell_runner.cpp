@@ -3,9 +3,9 @@
 #include "common/core/files.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
-#include "experiments/external/command_cell.h"
-#include "experiments/results/cell_pictures.h"
+#include "experiments/external/commands.h"
 #include "experiments/results/manifest.h"
+#include "experiments/results/pictures.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 

@@ -4,7 +4,6 @@
 
 #include "experiments/measuring/reference.h"
 #include "experiments/results/result_folder.h"
-#include "experiments/run/run_log.h"
 #include "experiments/run/run_setup.h"
 
 #include <optional>

@@ -7,7 +7,7 @@
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
-#include "experiments/report/row_columns.h"
+#include "experiments/report/tables.h"
 #include "experiments/report/sections.h"
 #include "experiments/results/judgement.h"
 #include "tests/support/analysis_fixtures.h"

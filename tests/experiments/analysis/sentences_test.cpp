@@ -3,8 +3,6 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
 #include "experiments/report/report.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/tables.h"

@@ -6,7 +6,7 @@
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/core/parallel.h"
-#include "experiments/results/color_maps.h"
+#include "experiments/results/pictures.h"
 #include "tests/experiments/metrics/paper_flip.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/input_error.h"

@@ -2,11 +2,9 @@
 // shares and uniformity; and the scene's surfaces as triangles, with their places, colours and shares.
 #include "experiments/photons/page.h"
 
-#include "experiments/photons/collected_light.h"
-#include "experiments/photons/even_shares.h"
+#include "experiments/photons/stored_light.h"
 #include "experiments/photons/surfaces.h"
 #include "experiments/text/html.h"
-#include "experiments/text/template_text.h"
 #include "tests/support/page_reader.h"
 #include "tests/support/run_fixtures.h"
 

@@ -4,11 +4,9 @@
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/report.h"
 #include "experiments/report/report_pictures.h"
-#include "experiments/results/cell_pictures.h"
-#include "experiments/results/color_maps.h"
+#include "experiments/results/pictures.h"
 #include "experiments/results/judgement.h"
 #include "experiments/text/html.h"
-#include "experiments/text/template_text.h"
 #include "tests/support/page_reader.h"
 #include "tests/support/run_fixtures.h"
 

@@ -4,9 +4,7 @@
 #include "experiments/report/tables.h"
 
 #include "experiments/analysis/row_fields.h"
-#include "experiments/report/field_text.h"
 #include "experiments/report/report.h"
-#include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"
 #include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
