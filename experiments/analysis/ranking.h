@@ -7,7 +7,6 @@
 // have D = sum (n_i - 1) degrees of freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally
 // noisy, though. So the mean of method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is
 // larger, besides it (s_i^2 - s^2) / n_i with its own n_i - 1. Of a light that no seed has met, scatter knows nothing.
-// The methods of one scene, compared in one layer: after a time, in the time to an error, and by their final images.
 
 #include "experiments/analysis/curves.h"
 #include "experiments/metrics/statistics.h"
@@ -73,6 +72,7 @@ struct Doubts {
 };
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking);
 
+/// The methods of one scene, compared in one layer: after a time, in the time to an error, and by their final images.
 class Contest {
 public:
     /// `analysis` has to outlive this object.

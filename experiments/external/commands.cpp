@@ -235,16 +235,18 @@ std::map<std::string, std::string> files_of(const CommandCell& cell, const Layer
     return files;
 }
 
+/// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and
+/// Interrupted on Ctrl-C, after the command has been killed.
+CommandResult run_command(const std::string& program, const CommandRequest& request) {
+    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
+}
+
 }  // namespace
 
 void measure_command(const std::string& request_file) {
     const auto request = request_of_parent<CommandRequest>(request_file);
     prctl(PR_SET_PDEATHSIG, SIGTERM);  // which ends the command, too
     leave_result(request, measured(request));
-}
-
-CommandResult run_command(const std::string& program, const CommandRequest& request) {
-    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
 }
 
 CellTiming run_external_cell(const std::string& program, const CommandCell& cell, const RendererInput& input) {

@@ -1,10 +1,10 @@
 #pragma once
-// Runs the command of another renderer under the clock. `gibench run` starts the program with the internal subcommand
+// Measures a cell with the command of another renderer, or filters its images by a command: hands over the files, runs the
+// command under the clock, and reads and checks its image.
+// `gibench run` starts the program with the internal subcommand
 // `measure-command request.json`; that process forks a shell with the command, waits, and leaves seconds and memory in
 // result.json. It stands between the two because the peak memory of a process that a large one starts includes that of
 // its parent (ru_maxrss is kept across exec), while this one is small.
-// Measures a cell with the command of another renderer, or filters its images by a command: hands over the files, runs the
-// command, and reads and checks its image.
 
 #include "experiments/measuring/cell_process.h"
 #include "experiments/plan/external_method.h"
@@ -34,10 +34,6 @@ struct CommandResult {
 /// Runs in the process of `measure-command`. When the command has ended, all processes that it has started are killed, also
 /// those in sessions of their own.
 void measure_command(const std::string& request_file);
-
-/// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and
-/// Interrupted on Ctrl-C, after the command has been killed.
-CommandResult run_command(const std::string& program, const CommandRequest& request);
 
 /// The cell whose image a command makes or filters.
 struct CommandCell {

@@ -320,6 +320,14 @@ std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabe
     return method.create(ParameterValues(declared, label), {max_edges});
 }
 
+/// Adds the weighted image, if there is one, to the sum, which begins with the first.
+void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight) {
+    if (!image) return;
+    if (!sum) sum = Image(image->width, image->height);
+    for (std::size_t i = 0; i < sum->rgb.size(); ++i)
+        sum->rgb[i] += static_cast<float>(weight * double{image->rgb[i]});
+}
+
 }  // namespace
 
 ReferenceMaker::ReferenceMaker(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
@@ -434,13 +442,6 @@ std::vector<MakerShare> shares_in(const std::string& text) {
         shares.push_back(share);
     }
     return shares;
-}
-
-void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight) {
-    if (!image) return;
-    if (!sum) sum = Image(image->width, image->height);
-    for (std::size_t i = 0; i < sum->rgb.size(); ++i)
-        sum->rgb[i] += static_cast<float>(weight * double{image->rgb[i]});
 }
 
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {

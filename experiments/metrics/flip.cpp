@@ -200,6 +200,32 @@ Plane length_of(const Plane& a, const Plane& b) {
     return length;
 }
 
+/// Both functions repeat the outermost pixels of the image beyond its borders.
+Plane filtered_along_rows(const Plane& plane, const Kernel& kernel) {
+    Plane result(plane.width, plane.height);
+    const int radius = radius_of(kernel), width = plane.width;
+    for_rows(plane.height, [&](int y) {
+        std::vector<float> extended(static_cast<std::size_t>(width + 2 * radius));
+        for (int x = 0; x < width + 2 * radius; ++x)
+            extended[static_cast<std::size_t>(x)] = plane.row(y)[std::clamp(x - radius, 0, width - 1)];
+        for (std::size_t k = 0; k < kernel.size(); ++k)
+            add_row(result.row(y), extended.data() + k, kernel[k], width);
+    });
+    return result;
+}
+
+Plane filtered_along_columns(const Plane& plane, const Kernel& kernel) {
+    Plane result(plane.width, plane.height);
+    const int radius = radius_of(kernel);
+    for_rows(plane.height, [&](int y) {
+        for (std::size_t k = 0; k < kernel.size(); ++k) {
+            const int from = std::clamp(y + static_cast<int>(k) - radius, 0, plane.height - 1);
+            add_row(result.row(y), plane.row(from), kernel[k], plane.width);
+        }
+    });
+    return result;
+}
+
 }  // namespace
 
 double FlipMap::mean() const {
@@ -255,31 +281,6 @@ FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_de
             worst.values[p] = std::max(worst.values[p], map.values[p]);
     }
     return worst;
-}
-
-Plane filtered_along_rows(const Plane& plane, const Kernel& kernel) {
-    Plane result(plane.width, plane.height);
-    const int radius = radius_of(kernel), width = plane.width;
-    for_rows(plane.height, [&](int y) {
-        std::vector<float> extended(static_cast<std::size_t>(width + 2 * radius));
-        for (int x = 0; x < width + 2 * radius; ++x)
-            extended[static_cast<std::size_t>(x)] = plane.row(y)[std::clamp(x - radius, 0, width - 1)];
-        for (std::size_t k = 0; k < kernel.size(); ++k)
-            add_row(result.row(y), extended.data() + k, kernel[k], width);
-    });
-    return result;
-}
-
-Plane filtered_along_columns(const Plane& plane, const Kernel& kernel) {
-    Plane result(plane.width, plane.height);
-    const int radius = radius_of(kernel);
-    for_rows(plane.height, [&](int y) {
-        for (std::size_t k = 0; k < kernel.size(); ++k) {
-            const int from = std::clamp(y + static_cast<int>(k) - radius, 0, plane.height - 1);
-            add_row(result.row(y), plane.row(from), kernel[k], plane.width);
-        }
-    });
-    return result;
 }
 
 std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels_per_degree) {

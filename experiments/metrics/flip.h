@@ -66,10 +66,6 @@ struct Plane {
 /// The 2 radius + 1 weights at the offsets -radius to radius [pixels].
 using Kernel = std::vector<float>;
 
-/// Both functions repeat the outermost pixels of the image beyond its borders.
-Plane filtered_along_rows(const Plane& plane, const Kernel& kernel);
-Plane filtered_along_columns(const Plane& plane, const Kernel& kernel);
-
 /// The channels of YCxCz.
 enum class OpponentChannel { achromatic, red_green, blue_yellow };
 

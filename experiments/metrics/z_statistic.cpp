@@ -299,6 +299,16 @@ float two_sided_p(float z) {
     return 2 * (1 - below);
 }
 
+/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
+/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
+std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
+                                      const Grid& grid) {
+    std::vector<BlockSums> blocks;
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        blocks.push_back(sums_in_block(x, r, channel, grid, i));
+    return blocks;
+}
+
 }  // namespace
 
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, int block_edge) {
@@ -378,14 +388,6 @@ Cuts Cuts::with_edge(int size, int edge) { return {size, std::max(1, (size + edg
 
 Grid Grid::with_edge(int width, int height, int edge) {
     return {Cuts::with_edge(width, edge), Cuts::with_edge(height, edge)};
-}
-
-std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
-                                      const Grid& grid) {
-    std::vector<BlockSums> blocks;
-    for (std::size_t i = 0; i < grid.size(); ++i)
-        blocks.push_back(sums_in_block(x, r, channel, grid, i));
-    return blocks;
 }
 
 std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger) {

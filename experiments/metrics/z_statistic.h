@@ -154,11 +154,6 @@ struct Grid {
     }
 };
 
-/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
-/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
-std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
-                                      const Grid& grid);
-
 /// Adds up the blocks of `grid` within each block of `larger`.
 std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger);
 

@@ -1,13 +1,6 @@
 #pragma once
-// Divides a limited number of places among groups.
-// Runs a method until the light that it stores is complete, and collects what a page can show of it.
-//
-// A uniform subset of the photons of several maps and passes, in memory that does not grow with the number of photons.
-//
-// Each photon gets a random number, and the photons with the least numbers are kept (bottom-k sampling). Every subset
-// of this size is equally likely, whatever the order in which photons arrive.
-// The images of a method, for several numbers k of photons in an estimate, beside the light that it stores: what a page says
-// the method estimates at a place.
+// The light that a method stores, as far as a page can show it, and the images that the method makes of it for several numbers k of
+// photons in an estimate.
 
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
@@ -32,6 +25,9 @@ inline bool is_at_step(std::size_t i, std::size_t count, std::size_t shown) {
     return (i + 1) * shown / count > i * shown / count;
 }
 
+/// A uniform subset of the photons of several maps and passes, in memory that does not grow with the number of photons. Each
+/// photon gets a random number, and the photons with the least numbers are kept (bottom-k sampling). Every subset of this size is
+/// equally likely, whatever the order in which photons arrive.
 class PhotonSubset {
 public:
     /// Keeps at most `most` photons, in even shares of the maps.

@@ -447,7 +447,7 @@ int run_program(int argc, char** argv) {
     add_tune(app, action, command_line);
     add_completion(app, action);
     add_internal(app, action, "measure-cell", "internal: measures one cell, see cell_process.h", measure_cell);
-    add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
+    add_internal(app, action, "measure-command", "internal: runs a command, see commands.h", measure_command);
     take_help_as_option(argc, argv);
     return perform([&] {
         try {

@@ -11,7 +11,6 @@
 #include "experiments/plan/label_checks.h"
 #include "experiments/program/named_files.h"
 #include "experiments/report/report.h"
-#include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
@@ -143,13 +142,14 @@ Reference reference_of(const LoadedScene& loaded, const std::string& path) {
     return reference;
 }
 
-}  // namespace
-
+/// The scene of a file or of a name, with its warnings printed.
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
     LoadedScene loaded = load_scene(scene_file(scene), loading);
     warn_of(warnings_of(loaded));
     return loaded;
 }
+
+}  // namespace
 
 void check_writable(const std::string& path, std::string_view extension) {
     const std::filesystem::path file(path);

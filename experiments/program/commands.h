@@ -57,8 +57,6 @@ int rebuild_report(const std::string& folder, std::ostream& out);
 
 /// Throws InputError unless `path` has this extension and can be created in a folder that exists.
 void check_writable(const std::string& path, std::string_view extension = ".exr");
-/// The scene of a file or of a name, with its warnings printed.
-LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading);
 
 struct PhotonsOptions : SceneJob {
     std::size_t most_photons = 200000;  ///< number of photons shown

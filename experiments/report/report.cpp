@@ -2,10 +2,10 @@
 
 #include "common/core/files.h"
 #include "experiments/analysis/method_names.h"
-#include "experiments/report/words.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/report/sections.h"
+#include "experiments/report/words.h"
 #include "experiments/results/pictures.h"
 #include "experiments/text/html.h"
 #include "experiments/text/numbers.h"
@@ -237,6 +237,15 @@ json scale_json(ColorScale colors) {
 std::string markdown_table(const Analysis& analysis) {
     return filled(embedded_file("report_page/table.mustache"),
                   page_data(with_short_names(one_label_a_method(analysis))), markdown_text);
+}
+
+void write_tables(const Analysis& analysis, const ResultFolder& folder) {
+    write_file(folder.file("curves.csv"), curves_table(analysis).text());
+    write_file(folder.file("table.csv"), error_table(analysis).text());
+    write_file(folder.file("table.md"), markdown_table(analysis));
+    write_file(folder.file("spectra.csv"), spectra_table(analysis).text());
+    write_file(folder.file("stages.csv"), stages_table(analysis).text());
+    write_file(folder.file("bias_laws.csv"), bias_law_table(analysis).text());
 }
 
 std::string report_html(const Analysis& whole, const ResultFolder& folder, std::vector<std::string>* damage) {

@@ -3,8 +3,8 @@
 #include "common/core/error.h"
 #include "common/images/image_file.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/results/pictures.h"
 #include "experiments/results/judgement.h"
+#include "experiments/results/pictures.h"
 
 #include <fmt/format.h>
 #include <nettle/base64.h>
@@ -303,6 +303,13 @@ int scale_exponent(std::span<const float> values) {
     return 15 - exponent;
 }
 
+/// Packs one byte a pixel, as differences to the left neighbour like the high bytes of pack_half().
+PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height) {
+    std::vector<std::uint8_t> bytes;
+    append_differences(values, width, bytes);
+    return {.width = width, .height = height, .channels = 1, .bytes = true, .text = deflated_text(bytes)};
+}
+
 }  // namespace
 
 ReportPictures report_pictures(const Analysis& analysis, const ResultFolder& folder, const PictureBudget& budget) {
@@ -355,12 +362,6 @@ PackedImage pack_half(std::span<const float> values, int width, int height, int 
     bytes.insert(bytes.end(), low.begin(), low.end());
     packed.text = deflated_text(bytes);
     return packed;
-}
-
-PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height) {
-    std::vector<std::uint8_t> bytes;
-    append_differences(values, width, bytes);
-    return {.width = width, .height = height, .channels = 1, .bytes = true, .text = deflated_text(bytes)};
 }
 
 }  // namespace gib

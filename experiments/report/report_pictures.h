@@ -2,7 +2,7 @@
 // The images inside the report: HDR data of every method and reference, within a budget of bytes.
 //
 // There is for each scene the reference, and for each method seed 1's final image by component, its frames
-// (cell_pictures.h), its map of FLIP and its bias (mean of the seeds against the reference). Pixels are half floats
+// (pictures.h), its map of FLIP and its bias (mean of the seeds against the reference). Pixels are half floats
 // (pack_half()), stored in elements of their own that the page's script unpacks when it shows them.
 //
 // Packs images as text inside a page: half floats, deflated, in base64. report_page/blobs.js unpacks them.
@@ -50,8 +50,5 @@ struct PackedImage {
 /// difference to the left neighbour (to 0 in the first column) modulo 256, and after these for each channel the plane
 /// of low bytes. Throws std::invalid_argument if the number of values is another one.
 PackedImage pack_half(std::span<const float> values, int width, int height, int channels);
-
-/// Packs one byte a pixel, as differences to the left neighbour like the high bytes of pack_half().
-PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height);
 
 }  // namespace gib

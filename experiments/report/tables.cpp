@@ -1,9 +1,7 @@
 #include "experiments/report/tables.h"
 
-#include "common/core/files.h"
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/report/report.h"
 #include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 
@@ -424,15 +422,6 @@ CsvTable bias_law_table(const Analysis& analysis) {
                    law.theory ? csv_number(*law.theory) : ""});
     }
     return table;
-}
-
-void write_tables(const Analysis& analysis, const ResultFolder& folder) {
-    write_file(folder.file("curves.csv"), curves_table(analysis).text());
-    write_file(folder.file("table.csv"), error_table(analysis).text());
-    write_file(folder.file("table.md"), markdown_table(analysis));
-    write_file(folder.file("spectra.csv"), spectra_table(analysis).text());
-    write_file(folder.file("stages.csv"), stages_table(analysis).text());
-    write_file(folder.file("bias_laws.csv"), bias_law_table(analysis).text());
 }
 
 }  // namespace gib

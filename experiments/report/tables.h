@@ -1,7 +1,7 @@
 #pragma once
-// The numbers of a row. Each is one entry, which gives its column of table.csv, its columns in the sections that
-// table.md and the report show, and its line in "How to read this page".
-// Makes the tables of a result folder. The order of their columns does not change; new ones are added at the end.
+// The tables of a result folder. The order of their columns does not change; new ones are added at the end. Each number of a row
+// is one entry, which gives its column of table.csv, its columns in the sections that table.md and the report show, and its line
+// in "How to read this page".
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/analysis/table_row.h"
@@ -46,8 +46,5 @@ CsvTable error_table(const Analysis& analysis);
 CsvTable spectra_table(const Analysis& analysis);
 CsvTable stages_table(const Analysis& analysis);
 CsvTable bias_law_table(const Analysis& analysis);
-
-/// Writes curves.csv, table.csv, table.md, spectra.csv, stages.csv and bias_laws.csv.
-void write_tables(const Analysis& analysis, const ResultFolder& folder);
 
 }  // namespace gib

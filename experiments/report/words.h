@@ -1,8 +1,6 @@
 #pragma once
-// Prints fields: in words and tables, and in CSV files.
-// Says in words what a method's error is made of, what the method leaves out, how it stands beside the best one, and what stands
-// beside the images of a scene at equal time.
-// Which method is cheapest, and what to know before, for table.md, the report and the terminal.
+// Words for table.md, the report and the terminal: fields as text, what a method's error is made of, what the method leaves out,
+// how it stands beside the best one, and which method is cheapest.
 
 #include "experiments/analysis/field.h"
 #include "experiments/analysis/ranking.h"

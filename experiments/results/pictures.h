@@ -1,5 +1,6 @@
 #pragma once
-// Colours and exposures of the report's images.
+// Pictures of a cell, and the colours in which the report shows them.
+//
 // Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
 // the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
 //

@@ -3,7 +3,7 @@
 
 #include "experiments/measuring/cell_process.h"
 #include "experiments/results/judgement.h"
-#include "experiments/run/run_setup.h"
+#include "experiments/run/work_list.h"
 
 #include <functional>
 #include <optional>

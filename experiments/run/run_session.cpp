@@ -5,7 +5,6 @@
 #include "common/core/reject.h"
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/report.h"
-#include "experiments/report/tables.h"
 #include "experiments/report/terminal.h"
 #include "experiments/results/manifest.h"
 #include "experiments/system/interrupt.h"

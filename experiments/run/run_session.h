@@ -5,6 +5,7 @@
 #include "experiments/run/cell_runner.h"
 #include "experiments/run/references.h"
 #include "experiments/run/run_setup.h"
+#include "experiments/run/work_list.h"
 #include "experiments/system/file_lock.h"
 
 #include <optional>

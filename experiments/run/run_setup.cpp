@@ -1,11 +1,10 @@
 #include "experiments/run/run_setup.h"
 
 #include "common/core/reject.h"
-#include "common/images/image_digest.h"
-#include "common/images/image_file.h"
 #include "common/scene/scene.h"
 #include "experiments/external/povray_scene.h"
 #include "experiments/system/build_info.h"
+#include "experiments/system/progress.h"
 #include "methods/method.h"
 #include "methods/path/lit_spots.h"
 
@@ -13,7 +12,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <thread>
 
 namespace gib {
@@ -51,12 +49,6 @@ void require_a_cell(const RunSetup& setup, const std::string& only) {
     reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label", only);
 }
 
-/// The samples a pixel of a cell of another renderer; 1 if its command does not take them.
-std::uint32_t passes_of(const ExternalMethod& external, const std::optional<int>& sample_count) {
-    if (!external.takes("spp")) return 1;
-    return external.spp ? *external.spp : static_cast<std::uint32_t>(sample_count.value_or(16));
-}
-
 }  // namespace
 
 LoadedScene RunSetup::load(const RunScene& scene) const {
@@ -92,99 +84,6 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
     }
     require_a_cell(setup, options.only);
     return setup;
-}
-
-WorkCell work_cell(const RunSetup& setup, std::size_t scene, const MethodLabel& label, std::uint64_t seed) {
-    const RunScene& of = setup.scenes[scene];
-    const ExternalMethod* external = setup.experiment.external(label);
-    CellIdentity identity;
-    identity.scene = of.entry.name;
-    identity.method = label.text();
-    identity.seed = seed;
-    identity.scene_hash = of.content_hash;
-    identity.spp =
-        external ? passes_of(*external, of.sample_count) : last_pass(ConfiguredMethod(label).values, of.sample_count);
-    const ExternalMethod* filter = external ? nullptr : setup.experiment.filter_command(label);
-    if (external || filter) identity.command = (external ? external : filter)->identity();
-    identity.budget = setup.experiment.budget;
-    identity.epsilon = setup.experiment.epsilon;
-    identity.threads = setup.threads;
-    return {.scene = scene,
-            .external = external,
-            .filter = filter,
-            .identity = identity,
-            .name = cell_folder_name(identity.scene, identity.method, seed)};
-}
-
-std::string WorkCell::text() const {
-    return fmt::format("{}, {}, seed {}", identity.scene, identity.method, identity.seed);
-}
-
-WorkList::WorkList(const RunSetup& setup, const std::string& only) {
-    for (int seed = 1; seed <= setup.experiment.seeds; ++seed)
-        for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
-            for (const MethodLabel& label : setup.experiment.methods) {
-                cells_.push_back(work_cell(setup, scene, label, static_cast<std::uint64_t>(seed)));
-                cells_.back().is_selected = is_kept(only, cells_.back().identity.scene, label.text());
-            }
-}
-
-void WorkList::keep(const std::map<std::string, Budget>& budgets) {
-    std::erase_if(cells_, [&](const WorkCell& cell) { return budgets.count(cell.name) == 0; });
-    for (WorkCell& cell : cells_)
-        cell.identity.budget = budgets.at(cell.name);
-}
-
-void WorkList::select(const RunShare& share) {
-    std::size_t place = 0;
-    for (WorkCell& cell : cells_)
-        cell.is_selected = cell.is_selected && share.has(place++);
-}
-
-void WorkList::use(const References& references) {
-    for (WorkCell& cell : cells_)
-        cell.identity.reference = references.has_failed(cell.scene) ? "" : references.identity(cell.scene);
-}
-
-bool WorkList::has(std::size_t scene) const {
-    return std::ranges::any_of(cells_, [&](const WorkCell& cell) { return cell.is_selected && cell.scene == scene; });
-}
-
-std::vector<const WorkCell*> WorkList::selected() const {
-    std::vector<const WorkCell*> cells;
-    for (const WorkCell& cell : cells_)
-        if (cell.is_selected) cells.push_back(&cell);
-    return cells;
-}
-
-std::vector<CellState> WorkList::states(const ResultFolder& folder) const {
-    std::vector<CellState> states;
-    for (const WorkCell* cell : selected()) {
-        CellState& state = states.emplace_back(CellState{.cell = cell, .record = {}, .damage = {}});
-        if (!cell->identity.reference.empty())
-            state.record = folder.read_cell(cell->name, cell->identity.key(), &state.damage);
-    }
-    return states;
-}
-
-std::vector<const WorkCell*> left_of(const std::vector<CellState>& states) {
-    std::vector<const WorkCell*> left;
-    for (const CellState& state : states)
-        if (!state.record) left.push_back(state.cell);
-    return left;
-}
-
-std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolder& folder) {
-    std::vector<ManifestCell> complete;
-    for (const WorkCell& cell : list.all())
-        if (const auto stored = folder.read_cell(cell.name, cell.identity.key()))
-            complete.push_back({.scene = stored->scene,
-                                .method = stored->method,
-                                .seed = stored->seed,
-                                .passes = stored->last().passes,
-                                .image = stored->image.empty() ? image_digest(read_image(folder.cell_image(cell.name)))
-                                                               : stored->image});
-    return complete;
 }
 
 }  // namespace gib

@@ -183,14 +183,12 @@ private:
                                           .budget = ample * trials[i].time.cost(),
                                           .needed = trials[i].time.seconds});
         }
-        const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
-        std::ranges::stable_sort(candidates, is_cheaper);
+        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
             if (candidates.size() > 1) estimate(candidate);
-        std::ranges::stable_sort(candidates, is_cheaper);
+        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (const FinalSetting& candidate : candidates)
-            if (std::ranges::none_of(result_.finals,
-                                     [&](const FinalSetting& f) { return f.method == candidate.method; }))
+            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0)
                 result_.finals.push_back(candidate);
     }
 
