@@ -281,6 +281,16 @@ BlockSums sums_in_block(const ReferenceLayer& x, const ReferenceLayer& r, std::s
     return sums;
 }
 
+/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
+/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
+std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
+                                      const Grid& grid) {
+    std::vector<BlockSums> blocks;
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        blocks.push_back(sums_in_block(x, r, channel, grid, i));
+    return blocks;
+}
+
 constexpr float least_variance = 1e-4f;
 
 /// CIE XYZ from linear RGB with the primaries of ITU-R BT.709. The coefficients are those with which Mitsuba converts
@@ -297,16 +307,6 @@ Color xyz_from_rgb(const Color& c) {
 float two_sided_p(float z) {
     const float below = (1 - std::erf(-z / std::numbers::sqrt2_v<float>)) * 0.5f;
     return 2 * (1 - below);
-}
-
-/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
-/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
-std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
-                                      const Grid& grid) {
-    std::vector<BlockSums> blocks;
-    for (std::size_t i = 0; i < grid.size(); ++i)
-        blocks.push_back(sums_in_block(x, r, channel, grid, i));
-    return blocks;
 }
 
 }  // namespace
