@@ -204,6 +204,12 @@ Image image_of(const CommandCell& cell, const char* name, const std::string& fil
     return *image;
 }
 
+/// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and
+/// Interrupted on Ctrl-C, after the command has been killed.
+CommandResult run_command(const std::string& program, const CommandRequest& request) {
+    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
+}
+
 struct CommandImage {
     Image image;
     CommandResult cost;
@@ -233,12 +239,6 @@ std::map<std::string, std::string> files_of(const CommandCell& cell, const Layer
         write_scratch_exr(files[name], {{{"", pixels}}, {}});
     }
     return files;
-}
-
-/// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and
-/// Interrupted on Ctrl-C, after the command has been killed.
-CommandResult run_command(const std::string& program, const CommandRequest& request) {
-    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
 }
 
 }  // namespace
