@@ -10,9 +10,9 @@
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/results/pictures.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
+#include "experiments/results/pictures.h"
 
 #include <fmt/format.h>
 
@@ -23,25 +23,6 @@
 namespace gib {
 
 namespace {
-
-/// The components of a scene that hold light, by its reference and by the images of its methods. Light that the reference
-/// does not judge, or that a method leaves out, decides whether a verdict about the whole image holds.
-struct SceneLight {
-    Components seen, sampled;
-    /// Adds what an image shows of a component, of which it may have all paths.
-    void add(Component c, const Image& image, bool has_all_paths) {
-        if (has_all_paths) sampled.add(c);
-        if (!seen.has(c) && !is_black(image)) seen.add(c);
-    }
-    /// Those of the components that hold light: some image shows it, or no image has all of the component's paths, so that
-    /// none would show it.
-    Components among(const Components& components) const {
-        Components found;
-        for (const Component c : components.list())
-            if (seen.has(c) || !sampled.has(c)) found.add(c);
-        return found;
-    }
-};
 
 /// The replicates of one method on one scene.
 struct Replicates {
@@ -255,10 +236,7 @@ struct SceneRows {
 SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& reference, const Judgement& judgement,
                         const ResultFolder& folder, const Analysis& analysis) {
     SceneRows all{.is_lit = !is_black(reference.total.mean)};
-    SceneLight light;
-    const Components unresolved(reference.unresolved);
-    for (Component c : all_components)
-        if (const auto& layer = reference[c]) light.add(c, layer->mean, !unresolved.has(c));
+    SceneLight light(reference);
     const CellsByMethod cells = cells_by_method(analysis, quality.scene);
     std::set<std::string> equal;  // methods all of whose totals are equal
     for (const auto& method : analysis.index.methods) {
@@ -270,19 +248,17 @@ SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& refere
             all.contradictions.try_emplace(c.component, method, c);
         all.is_lit = all.is_lit || replicates.is_lit;
         if (replicates.are_equal()) equal.insert(method);
-        for (const ComponentImages& image : replicates.images)
-            for (Component c : all_components)
-                if (image[c]) light.add(c, *image[c], !left_out.has(c));
+        light.add(replicates.images, left_out);
         for (auto& row : rows_of(replicates, analysis.index, judgement, quality, folder))
             all.rows.push_back(std::move(row));
     }
     for (TableRow& row : all.rows) {
         const Components left_out = analysis.index.left_out_by(quality.scene, row.method).components;
-        row.components_missing = light.among(left_out);
+        row.components_missing = light.holding_light(left_out);
         row.is_unbiased = is_unbiased(row, left_out);
         drop_intervals_of_equal_images(row, equal.count(row.method) > 0);
     }
-    all.unjudged = light.among(unresolved);
+    all.unjudged = light.holding_light(Components(reference.unresolved));
     return all;
 }
 

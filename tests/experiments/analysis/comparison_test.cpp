@@ -3,12 +3,13 @@
 // image whose reference does not resolve all of them.
 #include "experiments/analysis/comparison.h"
 
+#include "experiments/analysis/analysis.h"
 #include "experiments/analysis/method_names.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
-#include "experiments/report/tables.h"
 #include "experiments/report/sections.h"
+#include "experiments/report/tables.h"
 #include "experiments/results/judgement.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/constant_image.h"
