@@ -147,7 +147,7 @@ class ChartPanel {
   }
 }
 
-/** The charts of one scene. They show what `state` says: {component, metric, hidden}. */
+/** Draws the charts of one scene whenever it is called. They show what `state` says: {component, metric, hidden}. */
 function sceneCharts(section, scene, state) {
   const spectrum = (kind, note, power, nothing) => new ChartPanel(section.querySelector(`.${kind}-chart`),
     `Spectrum of the ${kind}`, note, () => ({
@@ -174,5 +174,5 @@ function sceneCharts(section, scene, state) {
     spectrum("bias", "In the gaps there is no bias that the seeds and the reference could resolve.",
       "power [radiance²]", "There is no bias that the seeds and the reference could resolve."),
   ];
-  return {draw: () => panels.forEach((panel) => panel.draw()), panels};
+  return () => panels.forEach((panel) => panel.draw());
 }

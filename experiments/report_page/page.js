@@ -61,10 +61,10 @@ function setUpScene(section) {
   const place = section.querySelector(".scene-controls");
   if (!entry || !place) return;
   const state = {component: entry.components[0], metric: "relative", hidden: new Set()};
-  const charts = sceneCharts(section, scene, state);
+  const drawCharts = sceneCharts(section, scene, state);
   const redraw = () => {
     chooseRows(section, state.component);
-    charts.draw();
+    drawCharts();
   };
   const component = select("Component", entry.components, 0, (i) => {
     state.component = entry.components[i];

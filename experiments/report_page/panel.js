@@ -42,25 +42,20 @@ class ViewerPanel {
     this.mode = choice("Compare", modes, 0, (mode) => this.apply({mode}));
     this.error = select("Error", errorNames, 0, change("error"));
     this.tone = select("Tone", tones, 0, change("tone"));
-    this.save = button("Save PNG", "what the viewer shows", () => this.savePicture());
+    this.save = button("Save PNG", "what the viewer shows", () =>
+      element("a", {download: `${this.scene}.png`, href: this.stage.canvas.toDataURL("image/png")}).click());
     this.flipButton = button("Flip to B", "space", () => this.flip());
-    this.split = slider("Split", {min: 0, max: 100, value: 50}, (v) => `${v} %`,
-      (v) => this.setSplit(v / 100));
+    this.split = slider("Split", {min: 0, max: 100, value: 50}, (v) => `${v} %`, (v) => this.setSplit(v / 100));
     this.exposure = slider("Exposure", {min: -10, max: 10, step: 0.25, value: 0}, stopsText, (v) => this.setStops(v));
     this.reset = button("Reset", "initial exposure", () => { this.exposure.set(0); this.setStops(0); });
-    this.time = slider("Time", {min: 0, max: Math.max(0, times.length - 1), 
-      value: times.length - 1}, (i) => this.timeText(i), change("time"));
+    const last = times.length - 1;
+    this.time = slider("Time", {min: 0, max: Math.max(0, last), value: last},
+      (i) => (last < 0 ? "" : `${number(times[i], 3)} s${i >= last ? ": final images" : ""}`), change("time"));
     this.zoom = element("div", {className: "control zoom", attributes: {role: "group", "aria-label": "zoom"}},
       button("−", "zoom out", () => this.stage.zoomBy(1 / 1.5)),
       button("+", "zoom in", () => this.stage.zoomBy(1.5)),
       button("Fit", "the whole image", () => this.stage.fit()),
       button("1:1", "actual pixels", () => { this.stage.setZoom(1, 0, 0); this.stage.center(); }));
-  }
-
-  timeText(i) {
-    const {times} = this.sources;
-    if (times.length === 0) return "";
-    return i >= times.length - 1 ? `${number(times[i], 3)} s: final images` : `${number(times[i], 3)} s`;
   }
 
   top() {
@@ -134,18 +129,12 @@ class ViewerPanel {
     const numbers = Object.fromEntries([...new URLSearchParams(state)].map(([key, value]) => [key, Number(value)]));
     const {images, layers, times} = this.sources;
     const counts = {a: images.length, b: images.length, side: 2, mode: modes.length, layer: layers.length,
-      quantity: quantities.length, error: errorNames.length, tone: tones.length,
-      time: times.length};
+      quantity: quantities.length, error: errorNames.length, tone: tones.length, time: times.length};
     const known = Object.entries(numbers).filter(([key, value]) => key in this.state && Number.isFinite(value) &&
       (!(key in counts) || (Number.isInteger(value) && value >= 0 && value < counts[key])));
     this.apply(Object.fromEntries(known));
     if (numbers.zoom > 0) Object.assign(this.stage, {x: numbers.x, y: numbers.y, zoom: numbers.zoom});
     this.stage.place.scrollIntoView({block: "center"});
-  }
-
-  savePicture() {
-    const link = element("a", {download: `${this.scene}.png`, href: this.stage.canvas.toDataURL("image/png")});
-    link.click();
   }
 
   /** Shows the layer `name` of an image as A. */

@@ -230,17 +230,11 @@ class Stage {
   }
 
   showLabels(slides) {
-    const text = (index) => {
-      const side = this.sides[index];
-      if (!side) return ["", ""];
-      return [`${"AB"[index]}: ${side.label}`, side.none ?? whenText(side.at)];
-    };
     const show = (place, index) => {
-      const [name, when] = text(index);
-      const key = name + when;
-      if (place.dataset.text === key) return;
-      place.dataset.text = key;
-      place.replaceChildren(element("b", {textContent: name}), element("span", {textContent: when}));
+      const side = this.sides[index];
+      const words = side ? [`${"AB"[index]}: ${side.label}`, side.none ?? whenText(side.at)] : ["", ""];
+      if (place.textContent !== words.join(""))
+        place.replaceChildren(element("b", {textContent: words[0]}), element("span", {textContent: words[1]}));
     };
     show(this.labels[0], slides ? 0 : this.state.side);
     show(this.labels[1], 1);

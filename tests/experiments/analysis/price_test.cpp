@@ -3,9 +3,9 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
-#include "experiments/report/words.h"
 #include "experiments/report/report.h"
 #include "experiments/report/terminal.h"
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 
