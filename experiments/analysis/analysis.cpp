@@ -3,20 +3,17 @@
 #include "common/core/error.h"
 #include "common/core/number_text.h"
 #include "common/images/image_file.h"
-#include "experiments/analysis/equal_time_look.h"
-#include "experiments/analysis/error_fields.h"
-#include "experiments/analysis/price.h"
-#include "experiments/analysis/processors.h"
-#include "experiments/analysis/same_method.h"
-#include "experiments/analysis/scene_light.h"
-#include "experiments/analysis/short_names.h"
+#include "experiments/analysis/comparison.h"
+#include "experiments/analysis/method_names.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/unmet_light.h"
-#include "experiments/measuring/contradiction.h"
+#include "experiments/analysis/warnings.h"
+#include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/results/flip_record.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
+#include "experiments/results/pictures.h"
 
 #include <fmt/format.h>
 
@@ -46,7 +43,7 @@ struct Replicates {
         }
     }
     bool are_equal() const {
-        return std::all_of(totals.begin(), totals.end(), [&](const Image& x) { return x.rgb == totals.front().rgb; });
+        return std::ranges::all_of(totals, [&](const Image& x) { return x.rgb == totals.front().rgb; });
     }
 };
 
@@ -145,8 +142,8 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
-    if (const auto passes = reference.metadata.find("passes"); passes != reference.metadata.end())
-        quality.samples = number_from<std::uint64_t>(passes->second).value_or(0) * std::uint64_t{reference_groups};
+    quality.samples =
+        number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0) * reference_groups;
     for (const auto& [name, layer] : judgement.layers())
         quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
@@ -219,15 +216,15 @@ void drop_dark_scene(const std::string& scene, Analysis& analysis) {
 
 /// Whether the reference consists of images of this method, so that a difference between them says nothing of the reference.
 bool has_made(const std::string& method, const Reference& reference) {
-    const auto makers = reference.metadata.find("makers"), only = reference.metadata.find("method");
-    if (makers == reference.metadata.end())
-        return only != reference.metadata.end() && MethodLabel::parse(only->second).name == method;
-    const auto shares = shares_in(makers->second);
-    return std::any_of(shares.begin(), shares.end(),
-                       [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
+    const std::string makers = attribute_in(reference.metadata, "makers");
+    const std::string only = attribute_in(reference.metadata, "method");
+    if (makers.empty()) return !only.empty() && MethodLabel::parse(only).name == method;
+    const auto shares = shares_in(makers);
+    return std::ranges::any_of(shares,
+                               [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
 
-/// The components of the reference that images of a method contradict (contradiction.h).
+/// The components of the reference that images of a method contradict (reference_agreement.h).
 std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
                                            const Components& left_out, const Reference& reference) {
     const std::string& method = replicates.cells.front()->method;

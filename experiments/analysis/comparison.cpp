@@ -1,7 +1,10 @@
 #include "experiments/analysis/comparison.h"
 
 #include "common/core/number_text.h"
-#include "experiments/analysis/price.h"
+#include "common/images/image_file.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/metrics/flip.h"
+#include "experiments/results/pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,8 +85,7 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
 /// Final gathering and the cache have biases of their own.
 std::optional<double> theoretical_exponent(const MethodLabel& rest, const std::string& parameter, Layer layer) {
     const auto value = [&](const char* key) {
-        const auto found =
-            std::find_if(rest.values.begin(), rest.values.end(), [&](const auto& v) { return v.first == key; });
+        const auto found = std::ranges::find_if(rest.values, [&](const auto& v) { return v.first == key; });
         return found == rest.values.end() ? std::string() : found->second;
     };
     const bool gathers = !value("gather").empty() && value("gather") != "0";
@@ -91,6 +93,191 @@ std::optional<double> theoretical_exponent(const MethodLabel& rest, const std::s
     if (parameter == "photons") return value("k") == "auto" ? 2. / 3 : 2;
     if (parameter == "k") return -2;
     return std::nullopt;
+}
+
+/// A change of the best method counts only if the new error is below this fraction of the old one.
+constexpr double least_lead = 0.95;
+/// Runs of one budget end with unlike passes, within this share of its time.
+constexpr double well_before = 0.9;
+
+/// The mean squared error of some runs as a function of time: infinite before all of them have an image, 0 unless it
+/// is above the noise floor.
+struct MeanCurve {
+    Runs cells;
+    double noise_floor;
+    double operator()(double seconds) const {
+        const auto errors2 = errors2_by(cells, Layer::total, seconds);
+        if (errors2.empty()) return std::numeric_limits<double>::infinity();
+        const double mean = sample_mean(errors2).value;
+        return mean > noise_floor ? mean : 0;
+    }
+    MeanCurve without(std::size_t seed) const { return {gib::without(cells, seed), noise_floor}; }
+};
+
+/// The time at which `challenger` passes `best`, by bisection between a time at which it is behind and one at which
+/// it is ahead.
+double passing_time(const MeanCurve& best, const MeanCurve& challenger, double behind, double ahead) {
+    for (int step = 0; step < 60; ++step) {
+        const double middle = std::sqrt(behind * ahead);
+        (challenger(middle) < best(middle) ? ahead : behind) = middle;
+    }
+    return ahead;
+}
+
+/// The time at which `challenger` passes `best`; if it does so between several pairs of successive `times`, the one
+/// nearest to `near`.
+std::optional<double> passing_near(const MeanCurve& best, const MeanCurve& challenger, const std::vector<double>& times,
+                                   double near) {
+    std::optional<double> nearest;
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        if (challenger(times[i - 1]) < best(times[i - 1]) || !(challenger(times[i]) < best(times[i]))) continue;
+        const double time = passing_time(best, challenger, times[i - 1], times[i]);
+        if (!nearest || std::abs(std::log(time / near)) < std::abs(std::log(*nearest / near))) nearest = time;
+    }
+    return nearest;
+}
+
+std::optional<Interval> passing_interval(const MeanCurve& best, const MeanCurve& challenger,
+                                         const std::vector<double>& times, double seconds) {
+    const std::size_t seeds = std::min(best.cells.size(), challenger.cells.size());
+    std::vector<double> logs;
+    for (std::size_t s = 0; seeds > 2 && s < seeds; ++s) {
+        const auto time = passing_near(best.without(s), challenger.without(s), times, seconds);
+        if (!time) return std::nullopt;
+        logs.push_back(std::log(*time));
+    }
+    if (logs.empty()) return std::nullopt;
+    const Interval interval = *jackknife(std::log(seconds), logs).interval;
+    // The first image of a method comes at one time, whatever seed is left out.
+    if (!(interval.hi - interval.lo > 1e-9)) return std::nullopt;
+    return Interval{std::exp(interval.lo), std::exp(interval.hi)};
+}
+
+/// The scan of one scene through the times of all checkpoints.
+class Scan {
+public:
+    Scan(std::string scene, const Contest& contest) : scene_(std::move(scene)), contest_(contest) {
+        std::set<double> times;
+        for (const auto& [method, cells] : contest.cells())
+            for (const Cell* cell : cells)
+                for (const auto& c : cell->checkpoints)
+                    times.insert(c.checkpoint.seconds);
+        times_.assign(times.begin(), times.end());
+    }
+
+    std::vector<Crossover> changes() {
+        for (std::size_t i = 0; i < times_.size(); ++i) {
+            const auto ranking = contest_.after(times_[i]);
+            const Contender* best = best_of(ranking);
+            if (!best) continue;
+            if (changes_.empty()) add_change({.scene = scene_, .method = best->method, .seconds = times_[i]});
+            const Contender& reigning = of_method(ranking, changes_.back().method);
+            if (reigning.known != Contender::Known::equal && reigning.standing != Standing::behind) {
+                end_reign(reigning.ended);
+                changes_.push_back({.scene = scene_,
+                                    .method = "",
+                                    .before = reigning.method,
+                                    .seconds = reigning.ended,
+                                    .ends = true});
+                return std::move(changes_);
+            }
+            if (best->method != reigning.method && is_passed(reigning, *best, i)) pass(*best, i);
+            compare_rivals(ranking);
+        }
+        if (!changes_.empty()) end_reign(times_.back());
+        return std::move(changes_);
+    }
+
+private:
+    MeanCurve curve(const std::string& method) const { return {contest_.cells().at(method), contest_.noise_floor()}; }
+    bool is_passed(const Contender& reigning, const Contender& best, std::size_t i) const {
+        if (reigning.known != Contender::Known::equal) return true;
+        return std::sqrt(curve(best.method)(times_[i])) < least_lead * std::sqrt(curve(reigning.method)(times_[i]));
+    }
+
+    void pass(const Contender& best, std::size_t i) {
+        const MeanCurve before = curve(changes_.back().method), after = curve(best.method);
+        Crossover change{
+            .scene = scene_, .method = best.method, .before = changes_.back().method, .seconds = times_[i]};
+        // The new method may have been ahead for a while, but by less than a change needs.
+        std::size_t behind = std::max<std::size_t>(i, 1) - 1;
+        while (behind > 0 && times_[behind] > changes_.back().seconds && after(times_[behind]) < before(times_[behind]))
+            --behind;
+        if (after(times_[i]) < before(times_[i])) {
+            change.seconds = passing_time(before, after, times_[behind], times_[i]);
+            change.interval = passing_interval(before, after, times_, change.seconds);
+        }
+        end_reign(change.seconds);
+        add_change(std::move(change));
+    }
+
+    void add_change(Crossover change) {
+        change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
+        change.doubts.one_seed = contest_.cells().at(change.method).size() < 2;
+        changes_.push_back(std::move(change));
+        told_apart_.clear();
+    }
+    /// Names the rivals whose runs had ended before the best method's time was over.
+    void end_reign(double seconds) {
+        Crossover& now = changes_.back();
+        for (const Contender& c : contest_.after(seconds))
+            if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
+                now.doubts.open.push_back(c.method);
+    }
+    /// A rival ties until there is a time from which on the best method is told apart from it.
+    void compare_rivals(const std::vector<Contender>& ranking) {
+        Crossover& now = changes_.back();
+        const Contender& own = of_method(ranking, now.method);
+        for (const Contender& c : ranking) {
+            if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
+                continue;
+            if (are_told_apart(own, c)) told_apart_.insert(c.method);
+            const auto found = std::ranges::find(now.doubts.ties, c.method);
+            if (told_apart_.count(c.method) == 0 && found == now.doubts.ties.end()) now.doubts.ties.push_back(c.method);
+            if (told_apart_.count(c.method) > 0 && found != now.doubts.ties.end()) now.doubts.ties.erase(found);
+        }
+    }
+
+    std::string scene_;
+    const Contest& contest_;
+    std::vector<double> times_;
+    std::vector<Crossover> changes_;
+    std::set<std::string> told_apart_;  ///< from the best method since the last change
+};
+
+/// The stored images of a cell: frames and the final image, in the order of time.
+std::vector<Checkpoint> stored_images(const Cell& cell, const ResultFolder& folder) {
+    const std::string name = cell_folder_name(cell.scene, cell.method, cell.seed);
+    std::vector<Checkpoint> images;
+    for (const auto& [checkpoint, errors] : cell.checkpoints)
+        if (keeps_frame(cell.seed, checkpoint.passes, cell.last().passes) && has_frame(folder, name, checkpoint.passes))
+            images.push_back(checkpoint);
+    images.push_back(cell.last());
+    return images;
+}
+
+/// An image that comes later than the compared time by at most this share of it still counts as one at that time: the
+/// time budgets of methods end with a pass.
+constexpr double latest = 0.1;
+
+/// The last image by `seconds`; the first one if there is none by then.
+Checkpoint image_by(const std::vector<Checkpoint>& images, double seconds) {
+    Checkpoint shown = images.front();
+    for (const Checkpoint& image : images)
+        if (image.seconds <= (1 + latest) * seconds) shown = image;
+    return shown;
+}
+
+std::optional<double> flip_of(const Cell& cell, std::uint32_t passes, const Judgement& judgement,
+                              const ResultFolder& folder) {
+    const std::string name = cell_folder_name(cell.scene, cell.method, cell.seed);
+    const Image& r = judgement.total().mean;
+    if (passes == cell.last().passes)
+        return cell_flip(folder, name, judgement.total_of(read_image(folder.cell_image(name))), r);
+    const auto frame = read_frame(folder, name, passes);
+    const Image small = reduced(r, reduction_for(r.width, r.height, frame_size));
+    if (!frame || !frame->same_size(small) || frame->non_finite_values() + small.non_finite_values() > 0) return {};
+    return hdr_flip(*frame, small).mean();
 }
 
 }  // namespace
@@ -148,8 +335,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                             .parameter = key.second,
                             .rows = {rows.begin(), rows.end()},
                             .theory = theoretical_exponent(MethodLabel::parse(key.first), key.second, layer)};
-                if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.second->is_unbiased; }))
-                    continue;
+                if (std::ranges::all_of(rows, [](const auto& row) { return row.second->is_unbiased; })) continue;
                 std::vector<BiasPoint> points;
                 for (const auto& [x, row] : rows) {
                     if (row->is_unbiased || !row->statistics || !row->statistics->bias2) continue;
@@ -163,6 +349,37 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                 laws.push_back(std::move(law));
             }
     return laws;
+}
+
+std::vector<Crossover> crossovers(const Analysis& analysis) {
+    std::vector<Crossover> all;
+    for (const auto& [scene, contest] : contests_of(analysis))
+        for (Crossover& change : Scan(scene, contest).changes())
+            all.push_back(std::move(change));
+    return all;
+}
+
+std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
+                                            const Judgement& judgement, const ResultFolder& folder) {
+    std::vector<EqualTimeLook> looks;
+    const Contest contest(analysis, scene);
+    if (contest.methods() == 0) return looks;
+    const double seconds = contest.equal_time();
+    for (const auto& method : analysis.index.methods) {
+        const auto found = contest.cells().find(method);
+        if (found == contest.cells().end() || found->second.front()->seed != 1) continue;
+        const Runs& cells = found->second;
+        const Cell& first = *cells.front();
+        const Checkpoint image =
+            mean_seconds(cells) <= seconds ? first.last() : image_by(stored_images(first, folder), seconds);
+        looks.push_back({.scene = scene,
+                         .method = method,
+                         .passes = image.passes,
+                         .seconds = image.seconds,
+                         .is_final = image.passes == first.last().passes});
+        if (!judgement.is_empty()) looks.back().flip = flip_of(first, image.passes, judgement, folder);
+    }
+    return looks;
 }
 
 }  // namespace gib

@@ -1,8 +1,11 @@
 #pragma once
 // Compares methods with each other: which is closest to the reference after the same time, when this changes, which
-// checkpoints lie on the Pareto frontier of time and error, and how bias falls with a parameter.
+// checkpoints lie on the Pareto frontier of time and error, how bias falls with a parameter, and which stored image each method
+// shows at equal time.
 
-#include "experiments/analysis/contest.h"
+#include "experiments/analysis/ranking.h"
+#include "experiments/analysis/table_row.h"
+#include "experiments/results/judgement.h"
 
 #include <string>
 #include <vector>
@@ -73,5 +76,11 @@ struct BiasLaw {
 /// One for every numeric parameter that takes three values or more in labels that are otherwise equal, unless the method is
 /// unbiased.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
+
+/// The looks of all methods of one scene, as of one_label_a_method(). The seconds are Contest::equal_time(). A
+/// method without an image by then has no error, and shows its first image. FLIP needs the images, which are read from the folder: a frame is compared at its own size, a
+/// final image as in the tables.
+std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
+                                            const Judgement& judgement, const ResultFolder& folder);
 
 }  // namespace gib

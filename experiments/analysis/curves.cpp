@@ -9,14 +9,14 @@ namespace gib {
 std::vector<std::string> scenes_of(const Analysis& analysis) {
     std::vector<std::string> names;
     for (const Cell& cell : analysis.cells)
-        if (std::find(names.begin(), names.end(), cell.scene) == names.end()) names.push_back(cell.scene);
+        if (std::ranges::find(names, cell.scene) == names.end()) names.push_back(cell.scene);
     return names;
 }
 
 std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene) {
     std::vector<Layer> layers;
     for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.statistics && std::find(layers.begin(), layers.end(), row.layer) == layers.end())
+        if (row.scene == scene && row.statistics && std::ranges::find(layers, row.layer) == layers.end())
             layers.push_back(row.layer);
     return layers;
 }
@@ -43,7 +43,7 @@ double first_image_of_all(const Runs& cells) {
 }
 
 bool have_converged(const Runs& cells) {
-    return std::all_of(cells.begin(), cells.end(), [](const Cell* cell) { return cell->converged; });
+    return std::ranges::all_of(cells, [](const Cell* cell) { return cell->converged; });
 }
 
 Runs without(Runs cells, std::size_t left_out) {

@@ -1,5 +1,8 @@
 #include "experiments/analysis/ranking.h"
 
+#include "experiments/analysis/row_fields.h"
+#include "experiments/metrics/price_law.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,6 +28,10 @@ Standing standing_beside(const Contender& best, const Contender& c) {
     const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
     return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;
 }
+
+/// A run counts as ended at a time that it missed by no more than this share of its own, because runs end with a pass.
+constexpr double end_slack = 0.02;
+constexpr double least_error2 = 1e-30;  // has a logarithm, unlike 0
 
 }  // namespace
 
@@ -58,8 +65,7 @@ std::vector<Contender> ranked(std::vector<Contender> contenders) {
         const double mean = c.logs.empty() ? c.first_image : c.mean;
         return std::tuple(c.logs.empty(), !c.is_complete, !counts(c), std::isnan(mean) ? INFINITY : mean);
     };
-    std::stable_sort(contenders.begin(), contenders.end(),
-                     [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
+    std::ranges::stable_sort(contenders, [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
     const bool has_best = !contenders.empty() && counts(contenders.front());
     for (Contender& c : contenders) {
         if (has_best && &c != &contenders.front()) c.standing = standing_beside(contenders.front(), c);
@@ -75,7 +81,7 @@ const Contender* best_of(const std::vector<Contender>& ranking) {
 }
 
 const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
-    return *std::find_if(ranking.begin(), ranking.end(), [&](const auto& c) { return c.method == method; });
+    return *std::ranges::find_if(ranking, [&](const auto& c) { return c.method == method; });
 }
 
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {
@@ -87,6 +93,104 @@ Doubts doubts_about(const std::string& method, const std::vector<Contender>& ran
         if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own)) doubts.ties.push_back(c.method);
     }
     return doubts;
+}
+
+Contest::Contest(const Analysis& analysis, const std::string& scene, Layer layer)
+    : analysis_(analysis),
+      scene_(scene),
+      layer_(layer),
+      methods_(cells_by_method(analysis, scene)),
+      is_judged_(layer != Layer::total || analysis.unjudged(scene).empty()),
+      noise_floor_(std::max(analysis.noise_floor(scene, layer), 0.0)) {}
+
+double Contest::equal_time() const {
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    for (const auto& [method, cells] : methods_) {
+        const double mean = mean_seconds(cells);
+        longest = std::max(longest, mean);
+        if (!have_converged(cells)) shortest = std::min(shortest, mean);
+    }
+    return std::min(shortest, longest);
+}
+
+Contender Contest::contender(const std::string& method, const Runs& cells) const {
+    const TableRow* row = analysis_.row(scene_, method, layer_);
+    return {
+        .method = method,
+        .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
+        .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
+        .first_image = first_image_of_all(cells)};
+}
+
+void Contest::set_errors(Contender& contender, const Runs& cells, double seconds) const {
+    const auto errors2 = errors2_by(cells, layer_, seconds);
+    if (errors2.empty()) return;
+    const double mean = sample_mean(errors2).value;
+    const bool is_resolved = !(mean <= noise_floor_);
+    contender.mean = is_resolved ? mean : noise_floor_;
+    for (const double error2 : errors2)
+        contender.logs.push_back(std::log(std::max({is_resolved ? error2 : noise_floor_, noise_floor_, least_error2})));
+}
+
+void Contest::extrapolate(Contender& contender, double seconds) const {
+    contender.known = Contender::Known::upper_bounds;
+    const TableRow* row = analysis_.row(scene_, contender.method, layer_);
+    if (!row || !row->law || !law_reaches(*row->law, seconds)) return;
+    if (const auto error2 = row->law->error2_after(seconds, row->is_unbiased).interval)
+        contender.by_law = Interval{std::log(std::max(error2->lo, 0.0)), std::log(std::max(error2->hi, 0.0))};
+}
+
+std::vector<Contender> Contest::after(double seconds) const {
+    std::vector<Contender> contenders;
+    for (const auto& [method, cells] : methods_) {
+        Contender c = contender(method, cells);
+        set_errors(c, cells, seconds);
+        if (c.ended < (1 - end_slack) * seconds) extrapolate(c, seconds);
+        contenders.push_back(std::move(c));
+    }
+    return ranked(std::move(contenders));
+}
+
+std::vector<Contender> Contest::to_error(std::size_t target) const {
+    std::vector<Contender> contenders;
+    const double error = target_errors[target];
+    for (const auto& [method, cells] : methods_) {
+        const TableRow* row = analysis_.row(scene_, method, layer_);
+        if (!row || !row->statistics) continue;
+        Contender c = contender(method, cells);
+        for (const auto& curve : error_curves(cells, layer_)) {
+            const auto time = is_target_resolved(target, noise_floor_) ? crossing_time(curve, error) : std::nullopt;
+            if (!time) c.known = Contender::Known::lower_bounds;
+            c.logs.push_back(std::log(time ? *time : curve.empty() ? 0 : curve.back().seconds));
+        }
+        c.mean = std::exp(sample_mean(c.logs).value);
+        if (c.known == Contender::Known::lower_bounds) {
+            const Field time = time_field(*row, target);
+            constexpr double never = std::numeric_limits<double>::infinity();
+            if (time.state == State::never) c.by_law = Interval{never, never};
+            if (time.state == State::at_least) c.by_law = Interval{std::log(time.value), never};
+            if (time.state == State::extrapolated)
+                c.by_law = Interval{std::log(time.interval->lo), std::log(time.interval->hi)};
+        }
+        contenders.push_back(std::move(c));
+    }
+    return ranked(std::move(contenders));
+}
+
+std::vector<Contender> Contest::by_final_images() const {
+    std::vector<Contender> contenders;
+    for (const auto& [method, cells] : methods_) {
+        Contender c = contender(method, cells);
+        set_errors(c, cells, std::numeric_limits<double>::infinity());
+        contenders.push_back(std::move(c));
+    }
+    contenders = ranked(std::move(contenders));
+    const Contender* best = best_of(contenders);
+    if (!best) return contenders;
+    const double seconds = mean_seconds(methods_.at(best->method));
+    for (Contender& c : contenders)
+        if (&c != best && c.ended < (1 - end_slack) * seconds) extrapolate(c, seconds);
+    return ranked(std::move(contenders));
 }
 
 }  // namespace gib

@@ -11,6 +11,7 @@
 #include "experiments/results/layer.h"
 #include "experiments/results/result_folder.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -29,7 +30,7 @@ bool is_target_resolved(std::size_t target, double noise_floor);
 
 struct TableRow {
     std::string scene, method;
-    std::string name = {};  ///< short name of the method (short_names.h)
+    std::string name = {};  ///< short name of the method (method_names.h)
     Layer layer = Layer::total;
     int seeds = 0;
     double seconds = 0;                                  ///< mean charged seconds of the final images
@@ -51,7 +52,7 @@ struct TableRow {
     std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< those that hold light and of which the method leaves out paths
-    bool is_unbiased = false;            ///< bias^2 is 0 by theory (error_fields.h)
+    bool is_unbiased = false;            ///< bias^2 is 0 by theory (row_fields.h)
     bool is_external = false;            ///< rendered by the command of another renderer
     bool floor_known = true;             ///< false: the reference has no standard error, and noise_floor is 0
     std::set<std::string> cpus = {};     ///< names of the processors that measured the seeds
@@ -62,7 +63,7 @@ struct TableRow {
 };
 
 /// Seed 1's last stored image of a scene by the time at which all methods are compared, or at most a tenth later; without an
-/// image by then, its first (equal_time_look.h).
+/// image by then, its first (comparison.h).
 struct EqualTimeLook {
     std::string scene, method;
     std::uint32_t passes = 0;
@@ -123,5 +124,22 @@ struct Analysis {
     /// Null if there is no such row.
     const TableRow* row(const std::string& scene, const std::string& method, Layer layer) const;
 };
+
+/// The members of a set of effects or components: "specular reflection, refraction".
+template <typename Set>
+std::string words_of(const Set& members, const std::string& quote = "") {
+    std::string text;
+    for (const auto member : members.list())
+        text += (text.empty() ? "" : ", ") + quote + std::string(name_of(member)) + quote;
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
+/// "specular reflection; light of caustic, indirect"; empty if nothing is left out.
+inline std::string words_of(const LeftOut& left_out) {
+    const std::string effects = words_of(left_out.effects);
+    if (left_out.components.empty()) return effects;
+    return effects + (effects.empty() ? "" : "; ") + "light of " + words_of(left_out.components);
+}
 
 }  // namespace gib

@@ -1,11 +1,12 @@
 #include "experiments/external/povray_scene.h"
 
+#include "common/core/files.h"
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
+#include "common/xml/xml_properties.h"
 
 #include <array>
 #include <numbers>
-#include <set>
 
 namespace gib {
 
@@ -14,6 +15,68 @@ namespace {
 std::string vector(const Vec3d& v) { return fmt::format("<{:.9g},{:.9g},{:.9g}>", v.x(), v.y(), v.z()); }
 std::string vector(const Vec3& v) { return vector(Vec3d(v.cast<double>())); }
 std::string rgb(const Colord& c) { return fmt::format("rgb <{:.9g},{:.9g},{:.9g}>", c[0], c[1], c[2]); }
+
+/// One <shape> of the scene's file.
+struct ShapePlace {
+    SourceLocation where, bsdf_where, emitter_where;  ///< places; without a bsdf or emitter, that of the shape
+    std::string type, bsdf_type;                      ///< plugins; of a `twosided` the first bsdf in it; empty: none
+};
+
+struct ScenePlaces {
+    SourceLocation root, sensor, film, medium, emitter;  ///< places of the first of each, else of the root
+    std::vector<ShapePlace> shapes;                      ///< in the order of the file
+};
+
+std::string type_of(const XmlElement& element) {
+    const XmlAttribute* type = element.find("type");
+    return type ? type->value : "";
+}
+
+ShapePlace place_of(const NestedObject& shape, const XmlIds& ids) {
+    ShapePlace place{.where = shape.where,
+                     .bsdf_where = shape.where,
+                     .emitter_where = shape.where,
+                     .type = type_of(*shape.element),
+                     .bsdf_type = ""};
+    Properties properties(*shape.element, ids);
+    auto bsdfs = properties.objects("bsdf");
+    while (!bsdfs.empty()) {
+        place.bsdf_where = bsdfs.front().element->where;
+        place.bsdf_type = type_of(*bsdfs.front().element);
+        if (place.bsdf_type != "twosided") break;
+        Properties nested(*bsdfs.front().element, ids);
+        bsdfs = nested.objects("bsdf");
+    }
+    if (const auto emitters = properties.objects("emitter"); !emitters.empty())
+        place.emitter_where = emitters.front().where;
+    return place;
+}
+
+/// Reads the scene's file again for the places. Throws InputError as load_scene() does.
+ScenePlaces scene_places(const std::string& path, const SceneLoadOptions& options) {
+    ContentHash hash;
+    LoadWarnings warnings;
+    const ExpandedXml xml = expand_xml(read_file(path), path, options.parameters, options.folders, hash, warnings);
+    const XmlIds ids(xml.root, warnings);
+    Properties scene(xml.root, ids);
+    const auto first_of = [&](const char* tag) {
+        const auto objects = scene.objects(tag);
+        return objects.empty() ? xml.root.where : objects.front().where;
+    };
+    ScenePlaces places{.root = xml.root.where,
+                       .sensor = first_of("sensor"),
+                       .film = first_of("sensor"),
+                       .medium = first_of("medium"),
+                       .emitter = first_of("emitter"),
+                       .shapes = {}};
+    if (const auto sensors = scene.objects("sensor"); !sensors.empty()) {
+        Properties sensor(*sensors.front().element, ids);
+        if (const auto films = sensor.objects("film"); !films.empty()) places.film = films.front().where;
+    }
+    for (const NestedObject& shape : scene.objects("shape"))
+        places.shapes.push_back(place_of(shape, ids));
+    return places;
+}
 
 /// A surface in POV-Ray's words.
 struct Surface {
@@ -286,7 +349,8 @@ private:
 
 }  // namespace
 
-std::string povray_scene(const LoadedScene& loaded, const ScenePlaces& places) {
+std::string povray_scene(const LoadedScene& loaded, const std::string& file, const SceneLoadOptions& options) {
+    const ScenePlaces places = scene_places(file, options);
     return PovrayWriter(loaded, places).text();
 }
 

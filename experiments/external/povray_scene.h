@@ -24,15 +24,16 @@
 // `RadiosityError` as its error_bound (default 0.5); `Photons` aimed at glass and mirrors; `LampPoints` shadow rays along
 // each edge of a lamp (default 4), jittered.
 
+#include "common/core/error.h"
 #include "common/reader/scene_file.h"
-#include "experiments/external/scene_places.h"
 
 #include <string>
+#include <vector>
 
 namespace gib {
 
-/// The scene as the text of a .pov file. `places` are those of its file. Throws InputError, at its place, for what POV-Ray's
-/// form cannot express.
-std::string povray_scene(const LoadedScene& loaded, const ScenePlaces& places);
+/// The scene as the text of a .pov file. Its file is read again, with the same options, for the places of its parts. Throws
+/// InputError, at its place, for what POV-Ray's form cannot express.
+std::string povray_scene(const LoadedScene& loaded, const std::string& file, const SceneLoadOptions& options);
 
 }  // namespace gib

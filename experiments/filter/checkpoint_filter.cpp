@@ -15,11 +15,12 @@ constexpr std::uint32_t feature_passes = 16;
 }  // namespace
 
 void CheckpointFilter::prepare(StageTimes& stages) {
-    if (request_.needs_features()) features_ = first_surface_features(scene_, seed_, feature_passes, stages);
+    if (request_.non_local_means || request_.features)
+        features_ = first_surface_features(scene_, seed_, feature_passes, stages);
 }
 
 void CheckpointFilter::keep(std::uint32_t passes, const ComponentImages& image) {
-    if (!request_.needs_halves()) return;
+    if (!request_.non_local_means && !request_.variance) return;
     kept_.insert_or_assign(passes, image);
     // The first quarter of any later number of passes ends after an eighth of those so far.
     std::erase_if(kept_, [&](const auto& entry) { return entry.first < passes / 8; });

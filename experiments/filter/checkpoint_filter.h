@@ -23,10 +23,6 @@ namespace gib {
 struct FilterRequest {
     bool non_local_means = false;             ///< filters them
     bool features = false, variance = false;  ///< adds layers for a filter that is a command
-
-    bool wants_any() const { return non_local_means || features || variance; }
-    bool needs_halves() const { return non_local_means || variance; }
-    bool needs_features() const { return non_local_means || features; }
 };
 
 class CheckpointFilter {
@@ -35,7 +31,7 @@ public:
     CheckpointFilter(const Scene& scene, std::uint64_t seed, const FilterRequest& request)
         : scene_(scene), seed_(seed), request_(request) {}
 
-    bool does_anything() const { return request_.wants_any(); }
+    bool does_anything() const { return request_.non_local_means || request_.features || request_.variance; }
     /// The least number of passes that can be filtered.
     std::uint32_t least_passes() const { return request_.non_local_means ? 4 : request_.variance ? 2 : 1; }
     /// Makes the features; the time is charged.

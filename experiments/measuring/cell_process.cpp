@@ -1,25 +1,20 @@
 #include "experiments/measuring/cell_process.h"
 
-#include "common/core/files.h"
 #include "common/core/parallel.h"
 #include "common/images/image_file.h"
 #include "common/reader/scene_file.h"
 #include "experiments/filter/checkpoint_filter.h"
+#include "experiments/measuring/child_request.h"
 #include "experiments/measuring/measurement_json.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/system/child_process.h"
-#include "experiments/text/json_file.h"
+#include "experiments/plan/label_checks.h"
 
 #include <fmt/format.h>
 
-#include <unistd.h>
 #include <chrono>
 #include <cstdio>
 #include <sstream>
 
 namespace gib {
-
-using nlohmann::json;
 
 static auto json_fields(RecordOf<CellRequest> auto& r) {
     return std::tuple(
@@ -73,49 +68,24 @@ void measure_request(const CellRequest& request) {
         fmt::print("{} {}\n", passes, seconds);
         std::fflush(stdout);
     };
-    const CellTiming timing{load_seconds, measure(work, sink, observer)};
-    write_file(request.work_folder + "/timing.json", json(timing).dump(1) + "\n");
-}
-
-CellTiming timing_from(const std::string& path) {
-    try {
-        const auto timing = read_json(path).get<CellTiming>();
-        if (timing.measurement.checkpoints.empty()) throw RunError("the cell's process measured nothing");
-        return timing;
-    } catch (const json::exception& error) {
-        throw RunError(fmt::format("the cell's process left a record that cannot be read: {}", error.what()));
-    } catch (const InputError& error) {
-        throw RunError(fmt::format("the cell's process left no record: {}", error.what()));
-    }
+    leave_result(request, CellTiming{load_seconds, measure(work, sink, observer)});
 }
 
 }  // namespace
 
 void measure_cell(const std::string& request_file) {
-    const CellRequest request = [&] {
-        try {
-            const json j = read_json(request_file);
-            die_with_parent(j.at("parent"));
-            return j.get<CellRequest>();
-        } catch (const json::exception& error) {
-            throw InputError({request_file}, fmt::format("not a request: {}", error.what()));
-        }
-    }();
+    const auto request = request_of_parent<CellRequest>(request_file);
     with_threads(request.threads, [&] { measure_request(request); });
 }
 
 CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer) {
-    const std::string request_file = request.work_folder + "/request.json";
-    json j = request;
-    j["parent"] = getpid();
-    write_file(request_file, j.dump(1) + "\n");
-    run_child({program, "measure-cell", request_file}, [&](const std::string& line) {
+    const auto show = [&](const std::string& line) {
         std::istringstream words(line);
         std::uint32_t passes = 0;
         double seconds = 0;
         if (observer && words >> passes >> seconds) observer(passes, seconds);
-    });
-    return timing_from(request.work_folder + "/timing.json");
+    };
+    return result_of_child<CellTiming>(program, "measure-cell", request, show);
 }
 
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes) {

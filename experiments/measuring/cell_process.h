@@ -1,16 +1,13 @@
 #pragma once
 // Measures a cell in a process of its own, so that its peak memory is its own and a crash does not end the run.
 //
-// The parent writes request.json into the cell's work folder and starts the program with the internal subcommand
-// `measure-cell request.json`. The child loads the scene and measures the cell. Into the work folder it writes
-// `checkpoint-PASSES.exr` for each checkpoint and, at the end, timing.json, which is written whole or not at all. To
-// its standard output it prints its progress, `PASSES SECONDS`, at most five times a second.
+// The parent starts the program with the internal subcommand `measure-cell` (child_request.h). The child loads the scene and
+// measures the cell. Into the work folder it writes `checkpoint-PASSES.exr` for each checkpoint. To its standard output it
+// prints its progress, `PASSES SECONDS`, at most five times a second.
 
 #include "experiments/measuring/measure.h"
 
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,13 +33,11 @@ struct CellTiming {
     Measurement measurement;
 };
 
-/// Runs in the child: reads the request, measures the cell and writes the results. Throws InputError if the file is
-/// not a request, RunError if the scene has changed since the parent checked it.
+/// Runs in the child: reads the request, measures the cell and writes the results. Throws RunError if the scene has changed
+/// since the parent checked it.
 void measure_cell(const std::string& request_file);
 
-/// Runs in the parent: starts `program`, waits for it and reads its results. `observer` receives the
-/// child's progress. If the child fails, it throws RunError with the child's message; on Ctrl-C it stops
-/// the child and throws Interrupted.
+/// Runs in the parent. `observer` receives the child's progress. Throws as result_of_child() does.
 CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer = {});
 
 /// The path of the image that the child writes for a checkpoint.

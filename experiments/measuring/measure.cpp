@@ -30,6 +30,38 @@ std::vector<StageTimes::Stage> with_other(std::vector<StageTimes::Stage> stages,
     return stages;
 }
 
+/// Processor and waiting time of the threads of this process so far, as the scheduler counts them.
+struct ProcessorTime {
+    double running = 0, waiting = 0;  ///< [s], summed over threads; 0 if the system does not say
+};
+ProcessorTime processor_time() {
+    ProcessorTime sum;
+    std::error_code error;  // a thread may end while the folder is read
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
+        double running = 0, waiting = 0;  // [ns]
+        if (std::ifstream(thread.path() / "schedstat") >> running >> waiting) {
+            sum.running += 1e-9 * running;
+            sum.waiting += 1e-9 * waiting;
+        }
+    }
+    return sum;
+}
+
+/// Makes peak_rss_mib() start again from the memory in use now.
+void reset_peak_rss() {
+    // If the kernel has no such file, the write fails and the peak includes what storing the checkpoints took.
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+/// The largest resident set of this process so far [MiB]; 0 if the system does not say.
+double peak_rss_mib() {
+    // getrusage would not do: after exec, its ru_maxrss still holds the size of the process that forked.
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024.0;
+    return 0;
+}
+
 /// Makes the checkpoints of a measurement.
 class Checkpoints {
 public:
@@ -134,32 +166,6 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
     if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
     return static_cast<std::uint32_t>(sample_count.value_or(16));
-}
-
-ProcessorTime processor_time() {
-    ProcessorTime sum;
-    std::error_code error;  // a thread may end while the folder is read
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error)) {
-        double running = 0, waiting = 0;  // [ns]
-        if (std::ifstream(thread.path() / "schedstat") >> running >> waiting) {
-            sum.running += 1e-9 * running;
-            sum.waiting += 1e-9 * waiting;
-        }
-    }
-    return sum;
-}
-
-void reset_peak_rss() {
-    // If the kernel has no such file, the write fails and the peak includes what storing the checkpoints took.
-    std::ofstream("/proc/self/clear_refs") << "5";
-}
-
-double peak_rss_mib() {
-    // getrusage would not do: after exec, its ru_maxrss still holds the size of the process that forked.
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.rfind("VmHWM:", 0) == 0) return std::stod(line.substr(6)) / 1024.0;
-    return 0;
 }
 
 }  // namespace gib

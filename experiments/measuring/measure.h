@@ -74,15 +74,4 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 /// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
 
-/// Processor and waiting time of the threads of this process so far, as the scheduler counts them.
-struct ProcessorTime {
-    double running = 0, waiting = 0;  ///< [s], summed over threads; 0 if the system does not say
-};
-ProcessorTime processor_time();
-
-/// The largest resident set of this process so far [MiB]; 0 if the system does not say.
-double peak_rss_mib();
-/// Makes peak_rss_mib() start again from the memory in use now.
-void reset_peak_rss();
-
 }  // namespace gib

@@ -4,9 +4,6 @@
 #include "experiments/measuring/measure.h"
 #include "experiments/text/json_record.h"
 
-#include <cstdint>
-#include <string>
-
 namespace gib {
 
 auto json_fields(RecordOf<NonFinite> auto& bad) {

@@ -5,12 +5,11 @@
 #include "common/scene/scene.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
-#include "experiments/measuring/reference_memory.h"
 #include "experiments/measuring/reference_schedule.h"
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 
@@ -76,7 +75,7 @@ public:
             const ReferenceMaker& maker =
                 makers_.emplace_back(*method, work.label, work.scene, work.label.name == auto_reference);
             std::erase_if(unresolved_, [&](Component c) {
-                return std::find(maker.unresolved().begin(), maker.unresolved().end(), c) == maker.unresolved().end();
+                return std::ranges::find(maker.unresolved(), c) == maker.unresolved().end();
             });
             shares_.push_back({maker.name(), 1, {}});
             shares_.back().weights.fill(1);
@@ -128,7 +127,7 @@ private:
         try {
             groups_ = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
             const auto metadata = exr_attributes(work_.path).value();
-            if (const auto makers = metadata.find("makers"); makers != metadata.end()) stored_shares_ = makers->second;
+            stored_shares_ = attribute_in(metadata, "makers");
             for (const ReferenceMaker& maker : makers_)
                 if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
                     throw InputError({work_.path}, "it lacks what '" + maker.name() + "' makes");
@@ -194,7 +193,7 @@ private:
     bool may_make(const std::vector<ReferenceBatch>& batches, const std::vector<ReferenceBatch>& ahead) {
         if (!work_.most_own_work) return true;
         const auto there = [&](const ReferenceBatch& batch) { return batches_.has(batch); };
-        if (std::all_of(batches.begin(), batches.end(), there)) return true;
+        if (std::ranges::all_of(batches, there)) return true;
         if (schedule_.work_left(state(), shares_) <= *work_.most_own_work) return true;
         for (const ReferenceBatch& batch : ahead)
             if (!there(batch)) result_.missing.push_back(batch);
@@ -301,12 +300,11 @@ private:
     void leave_out_lacking() {
         const auto samples = [&](std::size_t m, Component c) {
             const auto& unresolved = makers_[m].unresolved();
-            return std::find(unresolved.begin(), unresolved.end(), c) == unresolved.end() && !lacks_.count({m, c});
+            return std::ranges::find(unresolved, c) == unresolved.end() && !lacks_.count({m, c});
         };
         const std::vector<Disagreement> all = agreement_.between_makers(samples);
-        const auto found = std::find_if(all.begin(), all.end(), [&](const Disagreement& one) {
-            return shares_[one.lesser()].weight(one.component) > 0;
-        });
+        const auto found = std::ranges::find_if(
+            all, [&](const Disagreement& one) { return shares_[one.lesser()].weight(one.component) > 0; });
         if (found == all.end()) return;
         const Component c = found->component;
         lacks_.emplace(found->lesser(), c);
@@ -323,7 +321,7 @@ private:
     /// Leaves the components unresolved about which a pilot and the finished reference disagree.
     void compare_with_pilots() {
         for (const Disagreement& found : agreement_.with_pilots(groups_.groups())) {
-            if (std::find(unresolved_.begin(), unresolved_.end(), found.component) == unresolved_.end())
+            if (std::ranges::find(unresolved_, found.component) == unresolved_.end())
                 unresolved_.push_back(found.component);
             unsaved_ = unsaved_ || result_.rounds_added > 0;  // else the file says so already
             lacking_.push_back(
@@ -348,19 +346,18 @@ private:
     }
 
     void show(double passes_of_round) {
-        const double done = static_cast<double>(groups_.passes) + passes_of_round;
-        double all = 0, left = 0;
-        if (work_.goal.target && groups_.passes > 0) {
-            all = static_cast<double>(groups_.passes) + schedule_.passes_needed(state(), shares_);
-            left = groups_.seconds * (all - done) / static_cast<double>(groups_.passes);
+        const auto& goal = work_.goal;
+        const double done = static_cast<double>(groups_.passes) + passes_of_round, seconds = groups_.seconds;
+        double fraction = 0, left = infinity;
+        if (goal.target && groups_.passes > 0) {
+            const double all = static_cast<double>(groups_.passes) + schedule_.passes_needed(state(), shares_);
+            fraction = done / all;
+            left = seconds * (all - done) / static_cast<double>(groups_.passes);
         }
-        if (work_.goal.seconds && (all == 0 || left > *work_.goal.seconds - groups_.seconds)) {
-            left = std::max(0.0, *work_.goal.seconds - groups_.seconds);
-            all = 0;
+        if (goal.seconds && left > *goal.seconds - seconds) {
+            left = std::max(0.0, *goal.seconds - seconds);
+            fraction = seconds / (seconds + left + 1e-9);
         }
-        const double fraction = all > 0              ? done / all
-                                : work_.goal.seconds ? groups_.seconds / (groups_.seconds + left + 1e-9)
-                                                     : 0;
         const std::string error =
             groups_.passes > 0 ? fmt::format(", error {:.3g} %", 100 * result_.relative_error) : "";
         progress_.update(fraction, groups_.passes > 0 ? std::optional(left) : std::nullopt,
@@ -489,11 +486,8 @@ void make_batch(const ReferenceWork& work, const ReferenceBatch& batch) { Maker:
 
 std::string stored_reference_identity(const std::string& path) {
     const auto metadata = exr_attributes(path);
-    if (!metadata) return "";
-    const auto key = metadata->find("reference_key");
-    const auto passes = metadata->find("passes");
-    if (key == metadata->end() || passes == metadata->end()) return "";
-    return key->second + ":" + passes->second;
+    if (!metadata || metadata->count("reference_key") == 0 || metadata->count("passes") == 0) return "";
+    return metadata->at("reference_key") + ":" + metadata->at("passes");
 }
 
 }  // namespace gib

@@ -1,11 +1,12 @@
 #pragma once
 // Tests whether the makers of a reference agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole image
 // (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
-
-#include "experiments/measuring/contradiction.h"
-#include "experiments/metrics/block_sums.h"
+//
+// Evidence that a reference lacks light: an unbiased method finds more of it than the noise of both explains. Less light is no
+// evidence, because a method that has not met rare bright paths yet is too dark and seems to have no noise.
 
 #include "common/images/image.h"
+#include "experiments/metrics/z_statistic.h"
 
 #include <cstdint>
 #include <optional>
@@ -13,6 +14,26 @@
 #include <vector>
 
 namespace gib {
+
+enum class Differing { either_way, brighter };
+
+/// The most significant difference of x from r, among blocks of `edge` and 8 `edge` pixels and the whole, or, with `brighter`,
+/// among those where x is brighter; empty if none is significant. If x and r are equal but for noise, there is one with a
+/// probability of `alpha` at most.
+std::optional<BlockTest> significant_difference(const ReferenceLayer& x, const ReferenceLayer& r, double alpha,
+                                                Differing differing, int edge = z_block_edge);
+
+/// Place and size of a difference, such as "pixels x 0 to 7, y 8 to 15: 0.1 more, 5.3 standard errors".
+std::string text_of(const BlockTest& difference);
+
+struct Contradiction {
+    Component component;
+    bool is_black = false;  ///< the reference's component is black, and images of the method have light in it
+    BlockTest where;        ///< the region, if not black; the deviation is that of the method
+
+    /// Such as "light of caustic, which the reference lacks (pixels ...)".
+    std::string text() const;
+};
 
 inline constexpr int agreement_edge = 8;  ///< [pixels]
 
@@ -85,5 +106,11 @@ private:
     std::vector<std::uint64_t> passes_;
     Grid pixels_;  ///< the pixels of each block
 };
+
+/// The components of a reference that images of a method contradict: every one that is black there and lit in an image; and every
+/// one of `unbiased_for`, for which the method is unbiased, where it is brighter beyond doubt. Components that the reference does not
+/// resolve anyway are left out. The second kind needs two replicates.
+std::vector<Contradiction> contradictions(const Reference& reference, const std::vector<ComponentImages>& replicates,
+                                          const std::vector<Component>& unbiased_for);
 
 }  // namespace gib

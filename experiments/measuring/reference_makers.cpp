@@ -25,35 +25,26 @@ constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes n
 /// tell: by 8 % where it was measured, the bidirectional method in cornell-box.xml.
 constexpr double least_gain = 1.1;
 
-bool has(const std::vector<Component>& list, Component c) {
-    return std::find(list.begin(), list.end(), c) != list.end();
-}
+bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
 
 /// Mean over the groups, and the variance of this mean, of each value.
 struct GroupMoments {
     std::vector<double> mean, variance;
 };
-GroupMoments moments_of(const std::vector<const Image*>& groups) {
-    const std::size_t size = groups.front()->rgb.size();
+GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
+    const std::size_t size = groups.front()[c]->rgb.size();
     const auto n = static_cast<double>(groups.size());
     GroupMoments moments{std::vector<double>(size), std::vector<double>(size)};
     for (std::size_t i = 0; i < size; ++i) {
         double sum = 0, squares = 0;
-        for (const Image* group : groups)
-            sum += double{group->rgb[i]};
+        for (const ComponentImages& group : groups)
+            sum += double{group[c]->rgb[i]};
         moments.mean[i] = sum / n;
-        for (const Image* group : groups)
-            squares += sqr(double{group->rgb[i]} - moments.mean[i]);
+        for (const ComponentImages& group : groups)
+            squares += sqr(double{group[c]->rgb[i]} - moments.mean[i]);
         moments.variance[i] = squares / ((n - 1) * n);
     }
     return moments;
-}
-
-GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
-    std::vector<const Image*> images;
-    for (const ComponentImages& group : groups)
-        images.push_back(&*group[c]);
-    return moments_of(images);
 }
 
 /// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light
@@ -73,9 +64,8 @@ public:
     /// Whether some maker has seen light of the component.
     bool is_lit(Component c) const {
         const auto has_light = [&](const ComponentImages& group) { return group[c] && !is_black(*group[c]); };
-        return std::any_of(pilots_.begin(), pilots_.end(), [&](const MakerPilot& pilot) {
-            return std::any_of(pilot.groups.begin(), pilot.groups.end(), has_light);
-        });
+        return std::ranges::any_of(
+            pilots_, [&](const MakerPilot& pilot) { return std::ranges::any_of(pilot.groups, has_light); });
     }
     const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
     double work_of_pass(std::size_t m) const {
@@ -104,7 +94,7 @@ private:
                 total[i] += sum[i] / makers;
         }
         Image mean(blocks.front().front().width, blocks.front().front().height);
-        std::transform(total.begin(), total.end(), mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
+        std::ranges::transform(total, mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
         const double epsilon = epsilon_of(given, mean);
         for (const double r : total)
             denominators_.push_back(r * r + epsilon);
@@ -140,7 +130,7 @@ private:
                 if (const auto block = disagreement(blocks[a], blocks[b], c, lacking_alpha, Differing::either_way))
                     left[block->deviation < 0 ? a : b] = std::numeric_limits<double>::infinity();
             }
-        if (std::any_of(left.begin(), left.end(), [](double cost) { return std::isfinite(cost); })) costs = left;
+        if (std::ranges::any_of(left, [](double cost) { return std::isfinite(cost); })) costs = left;
     }
 
     /// Mean over pixels and channels of the relative variance of the mean over all groups.
@@ -300,10 +290,10 @@ void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>
         bool is_made = false;
         for (std::size_t m = 0; m < work.size(); ++m)
             is_made = is_made || (std::isfinite(of_component[m]) && (needed[m] || work[m] >= least_share_of_work));
-        const auto best = std::min_element(of_component.begin(), of_component.end());
+        const auto best = std::ranges::min_element(of_component);
         if (!is_made && std::isfinite(*best)) needed[static_cast<std::size_t>(best - of_component.begin())] = true;
     }
-    const auto first = static_cast<std::size_t>(std::max_element(work.begin(), work.end()) - work.begin());
+    const auto first = static_cast<std::size_t>(std::ranges::max_element(work) - work.begin());
     const auto is_busy = [&](std::size_t m) { return m != first && (needed[m] || work[m] >= second_opinion); };
     bool has_second = false;
     for (std::size_t m = 0; m < work.size(); ++m)
@@ -323,11 +313,19 @@ std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabe
                                      std::uint64_t passes) {
     const std::vector<Parameter> declared = all_parameters(method);
     const auto has_name = [](const Parameter& parameter) { return parameter.name == first_pass_name; };
-    const bool is_given = std::any_of(label.values.begin(), label.values.end(),
-                                      [](const auto& value) { return value.first == first_pass_name; });
-    if (passes > 0 && !is_given && std::any_of(declared.begin(), declared.end(), has_name))
+    const bool is_given =
+        std::ranges::any_of(label.values, [](const auto& value) { return value.first == first_pass_name; });
+    if (passes > 0 && !is_given && std::ranges::any_of(declared, has_name))
         label.values.emplace_back(first_pass_name, std::to_string(passes));
     return method.create(ParameterValues(declared, label), {max_edges});
+}
+
+/// Adds the weighted image, if there is one, to the sum, which begins with the first.
+void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight) {
+    if (!image) return;
+    if (!sum) sum = Image(image->width, image->height);
+    for (std::size_t i = 0; i < sum->rgb.size(); ++i)
+        sum->rgb[i] += static_cast<float>(weight * double{image->rgb[i]});
 }
 
 }  // namespace
@@ -390,7 +388,7 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
     std::vector<double> alone;  // infinite for a maker that cannot make everything
     for (std::size_t m = 0; m < methods.size(); ++m)
         alone.push_back(sum_of_costs(judged, m, false));
-    const auto best = std::min_element(alone.begin(), alone.end());
+    const auto best = std::ranges::min_element(alone);
     if (!judged.empty() && std::isfinite(*best)) {
         std::vector<double> few(methods.size(), 0);
         few[static_cast<std::size_t>(best - alone.begin())] = 1;
@@ -444,13 +442,6 @@ std::vector<MakerShare> shares_in(const std::string& text) {
         shares.push_back(share);
     }
     return shares;
-}
-
-void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight) {
-    if (!image) return;
-    if (!sum) sum = Image(image->width, image->height);
-    for (std::size_t i = 0; i < sum->rgb.size(); ++i)
-        sum->rgb[i] += static_cast<float>(weight * double{image->rgb[i]});
 }
 
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {

@@ -21,7 +21,7 @@
 // takes no part in the component, if there is another maker that lacks none.
 
 #include "common/reader/scene_file.h"
-#include "experiments/measuring/reference_batches.h"
+#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
 #include "methods/method.h"
@@ -97,8 +97,6 @@ void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t l
 std::string text_of(const std::vector<MakerShare>& shares);
 std::vector<MakerShare> shares_in(const std::string& text);
 
-/// Adds the weighted image, if there is one, to the sum, which begins with the first.
-void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, double weight);
 /// The images of a unit, and their bias: the weighted sum over its makers.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);
 

@@ -1,16 +1,27 @@
 #include "experiments/measuring/reference_store.h"
 
+#include "common/core/error.h"
+#include "common/core/files.h"
+#include "common/core/memory_limit.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "common/images/image_digest.h"
+#include "common/images/image_file.h"
+#include "common/sampling/sampler.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
 
 namespace gib {
 
 namespace {
 
 template <typename Number>
-Number number_in(const Reference& file, const std::string& key, const std::string& path) {
-    const auto entry = file.metadata.find(key);
-    const auto value = entry == file.metadata.end() ? std::nullopt : number_from<Number>(entry->second);
+Number number_in(const std::map<std::string, std::string>& metadata, const std::string& key, const std::string& path) {
+    const auto value = number_from<Number>(attribute_in(metadata, key));
     if (!value) reject({path}, "not a reference of gibench: its attribute '{}' is missing or no number", key);
     return *value;
 }
@@ -20,8 +31,8 @@ void move_towards(std::optional<Image>& mean, const std::optional<Image>& batch,
     if (mean.has_value() != batch.has_value()) throw RunError("the batches of a reference have different components");
     if (!mean) return;
     for (std::size_t i = 0; i < mean->rgb.size(); ++i) {
-        const auto old = static_cast<double>(mean->rgb[i]);
-        mean->rgb[i] = static_cast<float>(old + (static_cast<double>(batch->rgb[i]) - old) * share);
+        const auto old = double{mean->rgb[i]};
+        mean->rgb[i] = static_cast<float>(old + (double{batch->rgb[i]} - old) * share);
     }
 }
 
@@ -36,6 +47,20 @@ ReferenceLayer layer_of(const std::vector<ComponentImages>& groups, const ImageO
     ReferenceLayer layer = layer_of_groups(std::move(images));
     if (!biases.empty()) layer.bias.push_back(layer_of_groups(std::move(biases)));
     return layer;
+}
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> digest_keys = {"work", "seconds", "not_finite", "first_not_finite"};
+constexpr const char* digest_key = "digest";
+
+/// Whether all values are finite and, of a standard error, not negative.
+bool is_sound(const ReferenceLayer& layer) {
+    if (layer.mean.non_finite_values() > 0) return false;
+    if (!layer.standard_error) return true;
+    const auto& values = layer.standard_error->rgb;
+    return layer.standard_error->non_finite_values() == 0 &&
+           std::ranges::none_of(values, [](float v) { return v < 0; });
 }
 
 }  // namespace
@@ -69,21 +94,19 @@ Reference ReferenceGroups::reference() const {
 
 ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string& key, int width, int height) {
     const Reference file = read_reference(path);
-    const auto stored_key = file.metadata.find("reference_key");
-    if (stored_key == file.metadata.end() || stored_key->second != key)
+    if (attribute_in(file.metadata, "reference_key") != key)
         throw InputError({path}, "it is not the reference of this scene and method");
     if (!is_verified(file)) throw InputError({path}, "it has no digest, so damage to it would not be seen");
     if (file.total.mean.width != width || file.total.mean.height != height)
         throw InputError({path}, "its size is not the scene's");
     ReferenceGroups groups;
-    groups.rounds = number_in<std::uint32_t>(file, "rounds", path);
-    groups.passes = number_in<std::uint64_t>(file, "passes", path);
-    groups.seconds = number_in<double>(file, "seconds", path);
-    if (file.metadata.count("work") > 0) groups.work = number_in<double>(file, "work", path);
+    groups.rounds = number_in<std::uint32_t>(file.metadata, "rounds", path);
+    groups.passes = number_in<std::uint64_t>(file.metadata, "passes", path);
+    groups.seconds = number_in<double>(file.metadata, "seconds", path);
+    if (file.metadata.count("work") > 0) groups.work = number_in<double>(file.metadata, "work", path);
     if (file.metadata.count("not_finite") > 0) {
-        groups.dropped.count = number_in<std::uint64_t>(file, "not_finite", path);
-        if (const auto first = file.metadata.find("first_not_finite"); first != file.metadata.end())
-            groups.dropped.first = first->second;
+        groups.dropped.count = number_in<std::uint64_t>(file.metadata, "not_finite", path);
+        groups.dropped.first = attribute_in(file.metadata, "first_not_finite");
     }
     groups.groups_.resize(reference_groups);
     for (auto& group : groups.groups_) {
@@ -100,6 +123,96 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
         }
     }
     return groups;
+}
+
+std::string BatchFolder::file_of(const ReferenceBatch& batch) const {
+    return fmt::format("{}/maker{}-batch{}-passes{}-after{}.exr", path_, batch.maker, batch.number, batch.passes,
+                       batch.passes_before);
+}
+
+bool BatchFolder::has(const ReferenceBatch& batch) const {
+    std::error_code ignored;
+    return fs::exists(file_of(batch), ignored);
+}
+
+std::optional<MadeBatch> BatchFolder::read(const ReferenceBatch& batch) const {
+    if (!has(batch)) return std::nullopt;
+    try {
+        const LayeredImage file = read_image(file_of(batch));
+        if (attribute_in(file.metadata, digest_key) != image_digest(file, digest_keys)) return std::nullopt;
+        return MadeBatch{.images = components_in(file),
+                         .dropped = {number_in<std::uint64_t>(file.metadata, "not_finite", path_),
+                                     attribute_in(file.metadata, "first_not_finite")},
+                         .work = number_in<double>(file.metadata, "work", path_),
+                         .seconds = number_in<double>(file.metadata, "seconds", path_)};
+    } catch (const std::exception&) {  // any exception, because a damaged file can contain anything
+        return std::nullopt;
+    }
+}
+
+void BatchFolder::write(const ReferenceBatch& batch, const MadeBatch& made) const {
+    fs::create_directories(path_);
+    LayeredImage file = layers_of(made.images);
+    file.metadata = {{"work", fmt::format("{}", made.work)},
+                     {"seconds", fmt::format("{}", made.seconds)},
+                     {"not_finite", fmt::format("{}", made.dropped.count)},
+                     {"first_not_finite", made.dropped.count > 0 ? made.dropped.first : "none"}};
+    file.metadata[digest_key] = image_digest(file, digest_keys);
+    write_exr(file_of(batch), file);
+}
+
+void BatchFolder::remove(const ReferenceBatch& batch) const {
+    std::error_code ignored;
+    fs::remove(file_of(batch), ignored);
+}
+
+void BatchFolder::remove_all() const {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
+    const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
+    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
+}
+
+GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash) {
+    GivenReference given{.reference = read_reference(path), .identity = "", .notes = {}};
+    Reference& reference = given.reference;
+    const Image& mean = reference.total.mean;
+    if (mean.width != width || mean.height != height)
+        reject({path}, "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height, width,
+               height);
+    bool sound = is_sound(reference.total);
+    for (const auto& component : reference.components)
+        sound = sound && (!component || is_sound(*component));
+    if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
+    if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
+    if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
+        !scene.empty() && scene != content_hash)
+        throw InputError({path}, "the reference is that of another scene, or of another version of this one");
+
+    // Other attributes are those of the file's own format.
+    std::map<std::string, std::string> kept;
+    for (const char* key : {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite"})
+        if (const auto value = reference.metadata.find(key); value != reference.metadata.end()) kept.insert(*value);
+    ContentHash hash;
+    hash.add("reference image 1");
+    hash.add(read_file(path));
+    kept["reference_key"] = hash.hex();
+    kept.try_emplace("passes", "0");
+    reference.metadata = std::move(kept);
+    given.identity = hash.hex() + ":" + reference.metadata["passes"];
+    if (!reference.total.standard_error && reference.total.groups.empty())
+        given.notes = {"the reference has no standard error: how much of each error is its own is unknown"};
+    return given;
+}
+
+void require_memory_for_reference(int width, int height) {
+    const double whole = reference_groups + 2;
+    const double layers = (reference_groups + 4 * whole) * (component_count + 1);
+    require_memory(3.0 * sizeof(float) * width * height * layers,
+                   fmt::format("a reference of {} x {} pixels", width, height));
 }
 
 }  // namespace gib

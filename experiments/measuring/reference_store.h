@@ -1,9 +1,12 @@
 #pragma once
-// Holds the groups of a reference, to which each round adds, and reads them from its file.
+// The files of references: the groups that rounds add to, the batches that a round is made of, and images that were made
+// elsewhere.
 
+#include "common/images/image.h"
 #include "experiments/metrics/reference_image.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,5 +52,56 @@ public:
 private:
     std::vector<ComponentImages> groups_;
 };
+
+struct ReferenceBatch {
+    std::uint32_t maker = 0;          ///< its place among the makers of the reference
+    std::uint32_t number = 0;         ///< decides the seed (batch_seed())
+    std::uint32_t passes = 1;         ///< passes that it makes
+    std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
+};
+
+/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
+
+/// The mean image of a batch and what it took to make it.
+struct MadeBatch {
+    ComponentImages images;
+    DroppedSamples dropped = {};
+    double work = 0;     ///< rays and camera samples; the same on every machine, which seconds are not
+    double seconds = 0;  ///< wall-clock
+};
+
+class BatchFolder {
+public:
+    explicit BatchFolder(std::string path) : path_(std::move(path)) {}
+
+    bool has(const ReferenceBatch& batch) const;
+    /// Empty if there is no such batch, or if its file is damaged.
+    std::optional<MadeBatch> read(const ReferenceBatch& batch) const;
+    /// The file appears whole or not at all.
+    void write(const ReferenceBatch& batch, const MadeBatch& made) const;
+    void remove(const ReferenceBatch& batch) const;
+    /// Removes the folder with all batches.
+    void remove_all() const;
+
+private:
+    std::string file_of(const ReferenceBatch& batch) const;
+
+    std::string path_;
+};
+
+struct GivenReference {
+    Reference reference;
+    std::string identity;            ///< as stored_reference_identity() returns it once the reference is written
+    std::vector<std::string> notes;  ///< remarks that tables have to make about it
+};
+
+/// Reads an image as the reference of a scene of this size and content (LoadedScene::content_hash). Without a standard error
+/// (layer `stderr`, or groups) its noise floor is unknown, which a note says. Throws InputError if the image is missing or
+/// damaged, has another size or values that are not finite, or says that it is the reference of another scene.
+GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash);
+
+/// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is written.
+void require_memory_for_reference(int width, int height);
 
 }  // namespace gib

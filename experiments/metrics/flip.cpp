@@ -1,15 +1,13 @@
 #include "experiments/metrics/flip.h"
 
-#include "common/core/error.h"
 #include "common/core/math.h"
 #include "common/core/parallel.h"
-#include "experiments/metrics/flip_filters.h"
 #include "experiments/metrics/robust_error.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 namespace gib {
@@ -114,18 +112,6 @@ private:
                               exponent);
 };
 
-void require_comparable(const Image& test, const Image& reference, double pixels_per_degree) {
-    if (!test.same_size(reference))
-        throw InputError(fmt::format("FLIP compares images of one size, not {} x {} with {} x {} pixels", test.width,
-                                     test.height, reference.width, reference.height));
-    if (test.pixels() == 0) throw InputError("FLIP needs at least one pixel");
-    if (!std::isfinite(pixels_per_degree) || pixels_per_degree < 1)
-        throw InputError(fmt::format("FLIP needs one pixel per degree or more, not {:g}", pixels_per_degree));
-    for (const Image* image : {&test, &reference})
-        for (const float v : image->rgb)
-            if (!std::isfinite(v)) throw InputError("FLIP is undefined for images with values that are not finite");
-}
-
 /// Coefficients of filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5), Narkowicz's fit to ACES; its exposure of 0.6
 /// is multiplied into them.
 constexpr double k0 = 0.6 * 0.6 * 2.51, k1 = 0.6 * 0.03, k3 = 0.6 * 0.6 * 2.43, k4 = 0.6 * 0.59, k5 = 0.14;
@@ -141,7 +127,101 @@ Image displayed(const Image& image, double exposure) {
     Image result(image.width, image.height);
     parallel_blocks(image.rgb.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (std::size_t i = begin; i < end; ++i)
-            result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, static_cast<double>(image.rgb[i]))));
+            result.rgb[i] = static_cast<float>(filmic(factor * std::max(0.0, double{image.rgb[i]})));
+    });
+    return result;
+}
+
+constexpr std::size_t rows_per_task = 16;
+
+/// Calls body(y) for every row, in parallel.
+void for_rows(int height, const std::function<void(int)>& body) {
+    parallel_blocks(static_cast<std::size_t>(height), rows_per_task,
+                    [&](std::size_t begin, std::size_t end, std::size_t) {
+                        for (std::size_t y = begin; y < end; ++y)
+                            body(static_cast<int>(y));
+                    });
+}
+
+int radius_of(const FilterKernel& kernel) { return static_cast<int>(kernel.size() / 2); }
+
+/// Adds weight * values to a row of sums.
+void add_row(float* sum, const float* values, float weight, int width) {
+    for (int x = 0; x < width; ++x)
+        sum[x] += weight * values[x];
+}
+
+/// One term a sqrt(pi / b) exp(-(pi x)^2 / b) of a contrast sensitivity filter, with x in degrees.
+struct SensitivityTerm {
+    double a, b;
+};
+
+/// Table 1 of the paper; a second term with a = 0 adds nothing.
+constexpr std::array<std::array<SensitivityTerm, 2>, 3> sensitivities = {{
+    {{{1, 0.0047}, {0, 1}}},
+    {{{1, 0.0053}, {0, 1}}},
+    {{{34.1, 0.04}, {13.5, 0.025}}},
+}};
+constexpr double largest_b = 0.04;
+
+/// f(x) for the integers from -radius to radius.
+std::vector<double> samples_of(int radius, const std::function<double(double)>& f) {
+    std::vector<double> values;
+    for (int x = -radius; x <= radius; ++x)
+        values.push_back(f(x));
+    return values;
+}
+
+/// Scales the weights so that the positive ones sum to 1 and the negative ones to -1.
+FilterKernel normalised(const std::vector<double>& weights) {
+    double positive = 0, negative = 0;
+    for (const double w : weights)
+        (w > 0 ? positive : negative) += std::abs(w);
+    FilterKernel kernel;
+    for (const double w : weights)
+        kernel.push_back(static_cast<float>(w > 0 ? w / positive : w < 0 ? w / negative : 0));
+    return kernel;
+}
+
+/// Removes outer weights that are too small to change a sum of floats.
+FilterKernel trimmed(FilterKernel kernel) {
+    constexpr float negligible = 1e-9f;
+    while (kernel.size() > 1 && kernel.front() < negligible && kernel.back() < negligible) {
+        kernel.pop_back();
+        kernel.erase(kernel.begin());
+    }
+    return kernel;
+}
+
+Plane length_of(const Plane& a, const Plane& b) {
+    Plane length(a.width, a.height);
+    for (std::size_t i = 0; i < length.values.size(); ++i)
+        length.values[i] = std::sqrt(sqr(a.values[i]) + sqr(b.values[i]));
+    return length;
+}
+
+/// Both functions repeat the outermost pixels of the image beyond its borders.
+Plane filtered_along_rows(const Plane& plane, const FilterKernel& kernel) {
+    Plane result(plane.width, plane.height);
+    const int radius = radius_of(kernel), width = plane.width;
+    for_rows(plane.height, [&](int y) {
+        std::vector<float> extended(static_cast<std::size_t>(width + 2 * radius));
+        for (int x = 0; x < width + 2 * radius; ++x)
+            extended[static_cast<std::size_t>(x)] = plane.row(y)[std::clamp(x - radius, 0, width - 1)];
+        for (std::size_t k = 0; k < kernel.size(); ++k)
+            add_row(result.row(y), extended.data() + k, kernel[k], width);
+    });
+    return result;
+}
+
+Plane filtered_along_columns(const Plane& plane, const FilterKernel& kernel) {
+    Plane result(plane.width, plane.height);
+    const int radius = radius_of(kernel);
+    for_rows(plane.height, [&](int y) {
+        for (std::size_t k = 0; k < kernel.size(); ++k) {
+            const int from = std::clamp(y + static_cast<int>(k) - radius, 0, plane.height - 1);
+            add_row(result.row(y), plane.row(from), kernel[k], plane.width);
+        }
     });
     return result;
 }
@@ -159,8 +239,7 @@ ExposureRange flip_exposures(const Image& reference) {
     std::vector<float> luminances;
     for (std::size_t i = 0; i < reference.pixels(); ++i)
         luminances.push_back(luminance(reference.at(i).max(0.f)));
-    const double largest =
-        luminances.empty() ? 0 : static_cast<double>(*std::max_element(luminances.begin(), luminances.end()));
+    const double largest = luminances.empty() ? 0 : static_cast<double>(*std::ranges::max_element(luminances));
     if (largest == 0) return {0, 0, 2};
     const double darkest = std::ldexp(largest, -24);
     double median = median_of(luminances);
@@ -173,7 +252,6 @@ ExposureRange flip_exposures(const Image& reference) {
 }
 
 FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
-    require_comparable(test, reference, pixels_per_degree);
     const OpponentImage a = opponent_image(test), b = opponent_image(reference);
     const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
     const Features features_a = detected_features(a.achromatic, pixels_per_degree);
@@ -194,7 +272,6 @@ FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_de
 }
 
 FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
-    require_comparable(test, reference, pixels_per_degree);
     const ExposureRange range = flip_exposures(reference);
     FlipMap worst{test.width, test.height, std::vector<float>(test.pixels(), 0.f)};
     for (int i = 0; i < range.count; ++i) {
@@ -204,6 +281,55 @@ FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_de
             worst.values[p] = std::max(worst.values[p], map.values[p]);
     }
     return worst;
+}
+
+std::vector<GaussianTerm> contrast_filter(OpponentChannel channel, double pixels_per_degree) {
+    // The radius of all terms is three standard deviations of the widest Gaussian.
+    const int radius =
+        static_cast<int>(std::ceil(3 * std::sqrt(largest_b / (2 * sqr(std::numbers::pi))) * pixels_per_degree));
+    std::vector<GaussianTerm> terms;
+    double all = 0;
+    for (const auto& [a, b] : sensitivities[static_cast<std::size_t>(channel)]) {
+        if (a == 0) continue;
+        const auto weights = samples_of(
+            radius, [&, b = b](double x) { return std::exp(-sqr(std::numbers::pi * x / pixels_per_degree) / b); });
+        // The sum of a two-dimensional Gaussian over the square of pixels is the square of its sum over a line.
+        const double sum =
+            a * std::sqrt(std::numbers::pi / b) * sqr(std::accumulate(weights.begin(), weights.end(), 0.0));
+        terms.push_back({static_cast<float>(sum), trimmed(normalised(weights))});
+        all += sum;
+    }
+    for (auto& term : terms)
+        term.share = static_cast<float>(static_cast<double>(term.share) / all);
+    return terms;
+}
+
+Plane contrast_filtered(const Plane& plane, OpponentChannel channel, double pixels_per_degree) {
+    Plane result(plane.width, plane.height);
+    for (const auto& [share, kernel] : contrast_filter(channel, pixels_per_degree)) {
+        const Plane term = filtered_along_columns(filtered_along_rows(plane, kernel), kernel);
+        for (std::size_t i = 0; i < result.values.size(); ++i)
+            result.values[i] += share * term.values[i];
+    }
+    return result;
+}
+
+Features detected_features(const Plane& luminance, double pixels_per_degree) {
+    constexpr double feature_width = 0.082;  // [degrees], w of the paper
+    const double deviation = 0.5 * feature_width * pixels_per_degree;
+    const int radius = static_cast<int>(std::ceil(3 * deviation));
+    const auto gaussian = [&](double x) { return std::exp(-sqr(x / deviation) / 2); };
+    // Each filter is a derivative along one axis and the Gaussian along the other.
+    const FilterKernel smooth = normalised(samples_of(radius, gaussian));
+    const FilterKernel first = normalised(samples_of(radius, [&](double x) { return -x * gaussian(x); }));
+    const FilterKernel second =
+        normalised(samples_of(radius, [&](double x) { return (sqr(x / deviation) - 1) * gaussian(x); }));
+    const Plane smooth_rows = filtered_along_rows(luminance, smooth);
+    const auto magnitude = [&](const FilterKernel& derivative) {
+        return length_of(filtered_along_columns(filtered_along_rows(luminance, derivative), smooth),
+                         filtered_along_columns(smooth_rows, derivative));
+    };
+    return {magnitude(first), magnitude(second)};
 }
 
 }  // namespace gib

@@ -119,11 +119,26 @@ std::vector<Component> components_named(const std::string& names) {
 }
 
 bool is_black(const Image& image) {
-    return std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; });
+    return std::ranges::all_of(image.rgb, [](float v) { return v == 0; });
+}
+
+Image mean_image(std::span<const Image> images) {
+    Image mean(images.front().width, images.front().height);
+    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
+        double sum = 0;
+        for (const Image& image : images)
+            sum += double{image.rgb[i]};
+        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
+    }
+    return mean;
+}
+
+std::string attribute_in(const std::map<std::string, std::string>& metadata, const std::string& key) {
+    const auto found = metadata.find(key);
+    return found == metadata.end() ? "" : found->second;
 }
 
 ReferenceLayer layer_of_groups(std::vector<Image> groups) {
-    if (groups.empty()) throw std::invalid_argument("layer_of_groups: no groups");
     ReferenceLayer layer{};
     layer.mean = Image(groups[0].width, groups[0].height);
     if (groups.size() > 1) layer.standard_error = layer.mean;
@@ -131,12 +146,12 @@ ReferenceLayer layer_of_groups(std::vector<Image> groups) {
     for (std::size_t i = 0; i < layer.mean.rgb.size(); ++i) {
         double sum = 0, scatter = 0;
         for (const Image& group : groups)
-            sum += static_cast<double>(group.rgb[i]);
+            sum += double{group.rgb[i]};
         const double mean = sum / count;
         layer.mean.rgb[i] = static_cast<float>(mean);
         if (!layer.standard_error) continue;
         for (const Image& group : groups)
-            scatter += sqr(static_cast<double>(group.rgb[i]) - mean);
+            scatter += sqr(double{group.rgb[i]} - mean);
         layer.standard_error->rgb[i] = static_cast<float>(std::sqrt(scatter / (count - 1) / count));
     }
     layer.groups = std::move(groups);
@@ -155,10 +170,10 @@ double dominance_of_one_group(const std::vector<Image>& groups) {
     for (std::size_t i = 0; i < groups.front().rgb.size(); ++i) {
         double mean = 0;
         for (const Image& group : groups)
-            mean += static_cast<double>(group.rgb[i]) / static_cast<double>(groups.size());
+            mean += double{group.rgb[i]} / static_cast<double>(groups.size());
         double top = 0;
         for (const Image& group : groups) {
-            const double deviation = sqr(static_cast<double>(group.rgb[i]) - mean);
+            const double deviation = sqr(double{group.rgb[i]} - mean);
             all += deviation;
             top = std::max(top, deviation);
         }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,9 +70,13 @@ std::string names_of(const std::vector<Component>& components);
 std::vector<Component> components_named(const std::string& names);
 /// Whether every value is 0.
 bool is_black(const Image& image);
+/// The mean of one image or more of one size.
+Image mean_image(std::span<const Image> images);
+/// An attribute of a file; empty if it has none.
+std::string attribute_in(const std::map<std::string, std::string>& metadata, const std::string& key);
 
 /// Makes a layer from the means of groups, which all have the same number of samples: their mean, and as its standard
-/// error their standard deviation / sqrt(groups). Throws std::invalid_argument without groups.
+/// error their standard deviation / sqrt(groups).
 ReferenceLayer layer_of_groups(std::vector<Image> groups);
 
 /// The share that the most deviant group of each value (pixel and channel) has in the sum of the groups' squared

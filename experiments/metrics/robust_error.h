@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 namespace gib {
@@ -37,8 +36,7 @@ struct RobustError {
     double share;    ///< part of all replicates' rel_mse that those worst pixels hold, in [0, 1]; NaN if rel_mse is 0
 };
 
-/// All images have the size of `reference`, with one pixel or more, and there is at least one replicate. Throws
-/// std::invalid_argument otherwise.
+/// All images have the size of `reference`, with one pixel or more, and there is at least one replicate.
 RobustError robust_error(const std::vector<Image>& replicates, const Image& reference, const Image& r_total,
                          double epsilon);
 

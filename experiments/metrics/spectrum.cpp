@@ -1,6 +1,5 @@
 #include "experiments/metrics/spectrum.h"
 
-#include "common/core/error.h"
 #include "common/core/parallel.h"
 
 #include <fftw3.h>
@@ -35,9 +34,7 @@ Size size_of(const Image& image) {
 Field channel_mean(const Image& image) {
     Field mean(image.pixels());
     for (std::size_t p = 0; p < mean.size(); ++p)
-        mean[p] = (static_cast<double>(image.rgb[3 * p]) + static_cast<double>(image.rgb[3 * p + 1]) +
-                   static_cast<double>(image.rgb[3 * p + 2])) /
-                  3;
+        mean[p] = (double{image.rgb[3 * p]} + double{image.rgb[3 * p + 1]} + double{image.rgb[3 * p + 2]}) / 3;
     return mean;
 }
 
@@ -261,22 +258,11 @@ std::vector<SpectrumPoint> radial(const Field& power, Size size) {
     return curve;
 }
 
-Image mean_of(const std::vector<Image>& images, std::size_t begin, std::size_t end) {
-    Image mean(images[0].width, images[0].height);
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
-        double sum = 0;
-        for (std::size_t k = begin; k < end; ++k)
-            sum += static_cast<double>(images[k].rgb[i]);
-        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(end - begin));
-    }
-    return mean;
-}
-
 /// The bias, mean of replicates - mean of groups, from one half of each and averaged over the channels.
 Field half_bias(const std::vector<Image>& replicates, const std::vector<Image>& groups, bool second) {
-    const auto part = [second](const std::vector<Image>& images) {
+    const auto part = [second](std::span<const Image> images) {
         const std::size_t half = images.size() / 2;
-        return channel_mean(second ? mean_of(images, half, images.size()) : mean_of(images, 0, half));
+        return channel_mean(mean_image(second ? images.subspan(half) : images.first(half)));
     };
     Field bias = part(replicates);
     const Field r = part(groups);
@@ -333,7 +319,7 @@ std::optional<NoiseSpectrum> pooled_spectrum(const std::vector<Image>& replicate
                                              double sigma) {
     const Size size = size_of(reference);
     const WhitenedNoise noise = whitened_noise(replicates, reference, sigma);
-    if (std::none_of(noise.mask.begin(), noise.mask.end(), [](double kept) { return kept > 0; })) return std::nullopt;
+    if (std::ranges::none_of(noise.mask, [](double kept) { return kept > 0; })) return std::nullopt;
     const Correlations correlations(noise.replicates, noise.mask, size);
     const Field power = power_through_mask(correlations, size, flat_top);
 
@@ -356,8 +342,6 @@ std::optional<NoiseSpectrum> pooled_spectrum(const std::vector<Image>& replicate
 }  // namespace
 
 std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates, const Image& reference) {
-    for (const Image& x : replicates)
-        if (!x.same_size(reference)) throw InputError("noise spectrum: the images differ in size from the reference");
     if (replicates.size() < 3 || reference.pixels() < 2) return std::nullopt;
     const auto spectrum = pooled_spectrum(replicates, reference, pooling_sigma);
     const double largest = largest_pooling * std::min(reference.width, reference.height);
@@ -369,9 +353,6 @@ std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates
 
 std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, const ReferenceLayer& reference) {
     if (replicates.size() < 2 || reference.groups.size() < 2) return {};
-    for (const Image& x : replicates)
-        if (!x.same_size(reference.mean))
-            throw InputError("bias spectrum: the images differ in size from the reference");
     const Size size = size_of(reference.mean);
     const Field window = hann_window(size);
     const double white = sum_of_squares(window);

@@ -22,12 +22,12 @@ struct NoiseSpectrum {
 };
 
 /// The spectrum of the replicates' deviations from their mean, which are averaged over the channels and scaled to
-/// variance 1 in every pixel. Empty with fewer than 3 replicates or without noise. Throws InputError if sizes differ.
+/// variance 1 in every pixel. Empty with fewer than 3 replicates or without noise.
 std::optional<NoiseSpectrum> noise_spectrum(const std::vector<Image>& replicates, const Image& reference);
 
 /// The real part of the cross-spectrum of two independent estimates of the bias, (mean of replicates - reference),
 /// each from half of the replicates and half of the groups. Empty without two replicates and two groups of the
-/// reference. Throws InputError if sizes differ.
+/// reference.
 std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, const ReferenceLayer& reference);
 
 }  // namespace gib

@@ -141,9 +141,7 @@ VarianceTerm pair_variance(const Table& k) {
 struct Weights {
     const Image* r_total = nullptr;
     double epsilon = 0;
-    double operator()(std::size_t i) const {
-        return r_total ? 1 / (sqr(static_cast<double>(r_total->rgb[i])) + epsilon) : 1;
-    }
+    double operator()(std::size_t i) const { return r_total ? 1 / (sqr(double{r_total->rgb[i]}) + epsilon) : 1; }
 };
 
 /// The weighted inner products <a_i - R, a_j - R>, where the a_i are the replicates and, after them, the groups of
@@ -159,7 +157,7 @@ Table inner_products(const std::vector<const Image*>& images, const Image& origi
         sum = Table::Zero(count, count);
         Eigen::ArrayXd differences(count);
         for (std::size_t i = begin; i < end; ++i) {
-            const double w = weights(i), zero = static_cast<double>(origin.rgb[i]);
+            const double w = weights(i), zero = double{origin.rgb[i]};
             for (Eigen::Index k = 0; k < count; ++k)
                 differences[k] = static_cast<double>(images[static_cast<std::size_t>(k)]->rgb[i]) - zero;
             // The lower triangle is added column by column. These operations are element-wise, so that they vectorise
@@ -194,9 +192,9 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
     for (std::size_t i = 0; i < reference.mean.rgb.size(); ++i) {
         double mean = 0;
         for (const Image& x : replicates)
-            mean += static_cast<double>(x.rgb[i]);
-        const double d = mean / static_cast<double>(replicates.size()) - static_cast<double>(reference.mean.rgb[i]);
-        const double w = weights(i), variance = w * sqr(static_cast<double>(reference.standard_error->rgb[i]));
+            mean += double{x.rgb[i]};
+        const double d = mean / static_cast<double>(replicates.size()) - double{reference.mean.rgb[i]};
+        const double w = weights(i), variance = w * sqr(double{reference.standard_error->rgb[i]});
         result.variance += variance / size;
         result.bias2_variance += (4 * w * sqr(d) + 2 * variance) * variance / sqr(size);
     }
@@ -223,15 +221,15 @@ Unseen unseen_squares(const std::vector<Image>& replicates, const Image& origin,
     if (n < 2) return largest;
     std::vector<double> from_origin(replicates.size()), from_mean(replicates.size());
     for (std::size_t pixel = 0; pixel < origin.pixels(); ++pixel) {
-        std::fill(from_origin.begin(), from_origin.end(), 0.0);
-        std::fill(from_mean.begin(), from_mean.end(), 0.0);
+        std::ranges::fill(from_origin, 0.0);
+        std::ranges::fill(from_mean, 0.0);
         for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
             double mean = 0;
             for (const Image& x : replicates)
-                mean += static_cast<double>(x.rgb[i]) / n;
+                mean += double{x.rgb[i]} / n;
             for (std::size_t k = 0; k < replicates.size(); ++k) {
                 const auto value = static_cast<double>(replicates[k].rgb[i]);
-                from_origin[k] += weights(i) * sqr(value - static_cast<double>(origin.rgb[i]));
+                from_origin[k] += weights(i) * sqr(value - double{origin.rgb[i]});
                 from_mean[k] += weights(i) * sqr(value - mean);
             }
         }
@@ -358,7 +356,7 @@ Estimate mse_of(const Moments& of) {
 }
 
 bool all_finite(const std::vector<Image>& images) {
-    return std::all_of(images.begin(), images.end(), [](const Image& x) { return x.non_finite_values() == 0; });
+    return std::ranges::all_of(images, [](const Image& x) { return x.non_finite_values() == 0; });
 }
 
 void require_same_size(const Image& image, const Image& reference) {
@@ -388,10 +386,10 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const De
     double mse = 0, rel_mse = 0, variance = 0;
     for (std::size_t i = 0; i < x.rgb.size(); ++i) {
         const double w = relative(i);
-        const double error2 = sqr(static_cast<double>(x.rgb[i]) - static_cast<double>(reference.mean.rgb[i]));
+        const double error2 = sqr(double{x.rgb[i]} - double{reference.mean.rgb[i]});
         mse += error2;
         rel_mse += w * error2;
-        if (reference.standard_error) variance += sqr(static_cast<double>(reference.standard_error->rgb[i]));
+        if (reference.standard_error) variance += sqr(double{reference.standard_error->rgb[i]});
     }
     const auto size = static_cast<double>(x.rgb.size());
     return {.mse = mse / size,
@@ -417,15 +415,9 @@ struct TrueError {
 TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
     const auto n = static_cast<double>(replicates.size());
     double rel_mse = 0;
-    Image mean = replicates.front();
     for (const Image& x : replicates)
         rel_mse += truth.squared_difference(x) / n;
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
-        double sum = 0;
-        for (const Image& x : replicates)
-            sum += double{x.rgb[i]};
-        mean.rgb[i] = static_cast<float>(sum / n);
-    }
+    const Image mean = mean_image(replicates);
     if (replicates.size() < 2) return {rel_mse, std::numeric_limits<double>::quiet_NaN()};
     const double sampling = truth.weighted_mean([&](std::size_t i) {
         double scatter = 0;
@@ -440,13 +432,6 @@ TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& tru
 
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Denominators& denominators) {
-    if (replicates.empty()) throw std::invalid_argument("replicate_statistics: no replicates");
-    for (const Image& x : replicates)
-        require_same_size(x, reference.mean);
-    for (const Image& group : reference.groups)
-        require_same_size(group, reference.mean);
-    require_same_size(denominators.plain(), reference.mean);
-
     // Images with values that are not finite may give statistics that are not finite; this is not an error.
     const FloatTrapsPaused paused(float_traps_built && !all_finite(replicates));
     const Moments plain = moments(replicates, reference, {});

@@ -55,7 +55,7 @@ struct ReplicateStatistics {
 /// Without a standard error of the reference, mse = bias2 + variance. Intervals come from the scatter of the seeds
 /// and of the reference's groups (statistics.cpp has the derivation). The interval of `variance` needs 3 seeds. The
 /// intervals of mse, rmse and rel_mse belong to the plain formulas, whose expectation contains the reference's
-/// variance. A NaN in a replicate gives NaN and no interval. Throws InputError if sizes differ.
+/// variance. A NaN in a replicate gives NaN and no interval.
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Denominators& denominators);
 

@@ -26,17 +26,100 @@
 #include "experiments/metrics/z_statistic.h"
 
 #include "common/core/math.h"
-#include "experiments/metrics/block_sums.h"
 #include "experiments/metrics/student_t.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <numbers>
 
 namespace gib {
 
 namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The number of replicates that the standard error comes from. A file without groups is assumed to come from
+/// gibench, which uses `reference_groups` of them.
+double replicates_of(const ReferenceLayer& layer) {
+    return layer.groups.size() > 1 ? static_cast<double>(layer.groups.size()) : reference_groups;
+}
+
+void add_pixel(BlockSide& side, const ReferenceLayer& layer, std::size_t i) {
+    side.sum += double{layer.mean.rgb[i]};
+    if (layer.standard_error) {
+        // The spread needs the square of the true variance. The square of a variance that is estimated from m normal
+        // values is on average (m + 1) / (m - 1) times as large; so v^2 / (m - 1) becomes v^2 / (m + 1).
+        const double v = sqr(double{layer.standard_error->rgb[i]});
+        side.variance.add({v, sqr(v) / (replicates_of(layer) + 1)});
+    }
+    for (const ReferenceLayer& bias : layer.bias) {
+        side.bias += double{bias.mean.rgb[i]};
+        if (bias.standard_error) side.bias_variance += sqr(double{bias.standard_error->rgb[i]});
+    }
+    side.groups.resize(layer.groups.size() > 1 ? layer.groups.size() : 0);
+    for (std::size_t g = 0; g < side.groups.size(); ++g)
+        side.groups[g] += static_cast<double>(layer.groups[g].rgb[i]);
+}
+
+/// The variance of the sum of these differences, from their scatter. The degrees of freedom of sums over several
+/// blocks come from the fourth moment, because a few pixels may hold most of the variance; for normal noise they are
+/// n - 1.
+Variance scatter_of(const std::vector<double>& differences) {
+    const auto n = static_cast<double>(differences.size());
+    double mean = 0, second = 0, fourth = 0;
+    for (const double d : differences)
+        mean += d / n;
+    // One pixel has no scatter, so nothing is known of its noise.
+    if (n < 2) return {mean == 0 ? 0 : infinite, 0};
+    for (const double d : differences) {
+        second += sqr(d - mean);
+        fourth += sqr(sqr(d - mean));
+    }
+    const double value = second * n / (n - 1);
+    return {value, std::max(sqr(value) / (n - 1), (fourth - sqr(second) / n) / 2)};
+}
+
+BlockSums sums_in_block(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel, const Grid& grid,
+                        std::size_t block) {
+    BlockSums sums;
+    std::vector<double> differences;
+    grid.for_each_in(block, [&](int column, int row) {
+        const std::size_t i = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(r.mean.width) +
+                                   static_cast<std::size_t>(column)) +
+                              channel;
+        sums.box.extend(Eigen::Vector2i(column, row));
+        add_pixel(sums.x, x, i);
+        add_pixel(sums.r, r, i);
+        differences.push_back(double{x.mean.rgb[i]} - double{r.mean.rgb[i]});
+        sums.equal = sums.equal && differences.back() == 0;
+    });
+    sums.pixels = static_cast<double>(differences.size());
+    if (sums.equal) return sums;
+    if (x.standard_error && r.standard_error) {
+        sums.difference = sums.x.variance;
+        sums.difference.add(sums.r.variance);
+        // Degrees of freedom that are estimated from few replicates are noisy. They are bounded by those that equal
+        // variances in all pixels would have.
+        const double fewest = std::min(replicates_of(x), replicates_of(r)) - 1;
+        sums.degrees = std::min(sums.difference.degrees(), fewest * sums.pixels);
+    } else {
+        sums.difference = scatter_of(differences);
+        sums.difference.raise_to(sums.x.variance.value + sums.r.variance.value);
+        sums.degrees = std::max(1.0, sums.pixels - 1);
+    }
+    return sums;
+}
+
+/// The sums of one channel over every block. If both images have a standard error, the variance of the difference is
+/// the sum of their variances; otherwise it comes from the scatter of x - r within the block.
+std::vector<BlockSums> sums_in_blocks(const ReferenceLayer& x, const ReferenceLayer& r, std::size_t channel,
+                                      const Grid& grid) {
+    std::vector<BlockSums> blocks;
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        blocks.push_back(sums_in_block(x, r, channel, grid, i));
+    return blocks;
+}
 
 /// Relative difference that rounding alone can cause between the means of float images.
 constexpr double rounding = 1e-5;
@@ -173,7 +256,7 @@ MeanDeviation mean_deviation(const BlockSums& image, const NoiseOfBlock& noise, 
 double channel_sum(const Image& image, std::size_t channel) {
     double sum = 0;
     for (std::size_t i = channel; i < image.rgb.size(); i += 3)
-        sum += static_cast<double>(image.rgb[i]);
+        sum += double{image.rgb[i]};
     return sum;
 }
 
@@ -201,18 +284,34 @@ void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image&
 /// The number of hypotheses that are rejected by the procedure of Holm (1979): in the order of their p, each is
 /// compared with alpha over the number of hypotheses that are left.
 std::size_t rejected_by_holm(std::vector<double> p, double alpha) {
-    std::sort(p.begin(), p.end());
+    std::ranges::sort(p);
     std::size_t rejected = 0;
     while (rejected < p.size() && p[rejected] <= alpha / static_cast<double>(p.size() - rejected))
         ++rejected;
     return rejected;
 }
 
+constexpr float least_variance = 1e-4f;
+
+/// CIE XYZ from linear RGB with the primaries of ITU-R BT.709. The coefficients are those with which Mitsuba converts
+/// its files.
+Color xyz_from_rgb(const Color& c) {
+    return {0.412453f * c[0] + 0.357580f * c[1] + 0.180423f * c[2],
+            0.212671f * c[0] + 0.715160f * c[1] + 0.072169f * c[2],
+            0.019334f * c[0] + 0.119193f * c[1] + 0.950227f * c[2]};
+}
+
+/// P(|Z| >= z) by way of 1 - Phi(z) in float, as Mitsuba computes it: p is a multiple of 2^-23, and 0 above z = 5.35.
+/// In images of more than 112000 pixels, values above z = 5.35 may therefore fail although their exact p is above the
+/// threshold. Only float reproduces the decision of Mitsuba.
+float two_sided_p(float z) {
+    const float below = (1 - std::erf(-z / std::numbers::sqrt2_v<float>)) * 0.5f;
+    return 2 * (1 - below);
+}
+
 }  // namespace
 
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total, int block_edge) {
-    if (!x.mean.same_size(r.mean) || !r_total.same_size(r.mean) || r.mean.pixels() == 0)
-        throw std::invalid_argument("z_test: images of different sizes, or empty ones");
     LayerZTest result;
     for (std::size_t channel = 0; channel < 3; ++channel)
         test_channel(x, r, r_total, channel, block_edge, result);
@@ -246,6 +345,87 @@ ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& l
         if (!interval || interval->lo < -limits.margin || interval->hi > limits.margin) verdict.means_agree = false;
     }
     return verdict;
+}
+
+double Variance::degrees() const { return spread > 0 ? sqr(value) / spread : infinite; }
+
+void Variance::add(const Variance& other) {
+    value += other.value;
+    spread += other.spread;
+}
+
+void Variance::raise_to(double least) {
+    if (!(least > value)) return;
+    spread = value > 0 ? spread * sqr(least / value) : sqr(least);
+    value = least;
+}
+
+void BlockSide::add(const BlockSide& other) {
+    sum += other.sum;
+    variance.add(other.variance);
+    bias += other.bias;
+    bias_variance += other.bias_variance;
+    groups.resize(other.groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        groups[g] += other.groups[g];
+}
+
+double BlockSide::squared_bias() const { return std::max(0.0, sqr(bias) - bias_variance); }
+
+double BlockSide::scatter() const { return sample_mean(groups).variance.variance; }
+
+void BlockSums::add(const BlockSums& other) {
+    pixels += other.pixels;
+    box.extend(other.box);
+    x.add(other.x);
+    r.add(other.r);
+    difference.add(other.difference);
+    degrees = difference.degrees();
+    equal = equal && other.equal;
+}
+
+Cuts Cuts::with_edge(int size, int edge) { return {size, std::max(1, (size + edge / 2) / edge)}; }
+
+Grid Grid::with_edge(int width, int height, int edge) {
+    return {Cuts::with_edge(width, edge), Cuts::with_edge(height, edge)};
+}
+
+std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger) {
+    std::vector<BlockSums> sums(larger.size());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        larger.for_each_in(i, [&](int column, int row) { sums[i].add(blocks[grid.index(column, row)]); });
+    return sums;
+}
+
+bool MitsubaZTest::accepted() const {
+    return static_cast<double>(passing) / 3 >= least_share * (static_cast<double>(values) / 3);
+}
+
+MitsubaZTest mitsuba_z_test(const Image& x, const Image& reference, const Image& variance, std::uint32_t spp) {
+    MitsubaZTest result;
+    result.values = 3 * x.pixels();
+    // Mitsuba corrects for the number of pixels, although three times as many values are tested.
+    result.threshold = -std::expm1(std::log1p(-MitsubaZTest::significance) / static_cast<double>(x.pixels()));
+    const auto threshold = static_cast<float>(result.threshold), samples = static_cast<float>(spp);
+    for (std::size_t pixel = 0; pixel < x.pixels(); ++pixel) {
+        const Color mean = xyz_from_rgb(x.at(pixel)), exact = xyz_from_rgb(reference.at(pixel));
+        const Color sample_variance = xyz_from_rgb(variance.at(pixel));
+        for (int k = 0; k < 3; ++k) {
+            // NaN stays NaN, as with NumPy's maximum.
+            const float v = std::isless(sample_variance[k], least_variance) ? least_variance : sample_variance[k];
+            const float p = two_sided_p(std::abs(mean[k] - exact[k]) * std::sqrt(samples / v));
+            if (!std::isfinite(p) || !std::isfinite(mean[k])) ++result.nonfinite;
+            if (std::isnan(p)) continue;
+            if (p > threshold) ++result.passing;
+            if (static_cast<double>(p) < result.smallest_p) {
+                result.smallest_p = static_cast<double>(p);
+                result.x = static_cast<int>(pixel % static_cast<std::size_t>(x.width));
+                result.y = static_cast<int>(pixel / static_cast<std::size_t>(x.width));
+                result.channel = static_cast<std::size_t>(k);
+            }
+        }
+    }
+    return result;
 }
 
 }  // namespace gib

@@ -2,12 +2,20 @@
 // A z test of whether an image differs from a reference by more than noise, for
 // every channel of blocks of 8 x 8 and 64 x 64 pixels and of the whole image;
 // and whether the means are shown to agree. z_statistic.cpp has the derivation.
+//
+// Sums over blocks of pixels of one channel of two images x and r: the radiance, and the variance of its noise. The z
+// test (z_statistic.h) compares these sums.
+//
+// The z test that Mitsuba 3 applies to its own renderings (its src/render/tests/test_renders.py). It compares every
+// pixel with a converged reference, using the variance of one sample that is stored with the reference.
 
+#include "common/images/image.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/metrics/statistics.h"
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -55,8 +63,7 @@ struct LayerZTest {
 };
 
 /// `x`: the image to test, with its standard error and its replicates (as groups), if there are any; `r`: the
-/// reference; `r_total`: the reference's total. All values must be finite. Throws std::invalid_argument if sizes
-/// differ or an image is empty. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
+/// reference; `r_total`: the reference's total. All values must be finite, and all images of one size. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total,
                   int block_edge = z_block_edge);
 
@@ -77,5 +84,96 @@ struct ZTestVerdict {
 /// The first of `layers` must be the total. Among several tests with the smallest p, `largest` is the one with the
 /// largest |t|; among several of these, the first.
 ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& layers, const ZTestLimits& limits);
+
+/// The variance of a sum, and the uncertainty of that variance.
+struct Variance {
+    double value = 0;
+    double spread = 0;  ///< value^2 / (degrees of freedom), additive over independent sums; 0: exactly known
+
+    double degrees() const;  ///< degrees of freedom by Welch and Satterthwaite; infinite if exactly known
+    void add(const Variance& other);
+    /// Raises `value` to `least` if it is smaller. The degrees of freedom stay as they are, or become 1 if there was
+    /// no variance.
+    void raise_to(double least);
+};
+
+/// The sums of one of the two images over a block.
+struct BlockSide {
+    double sum = 0;              ///< sum of the radiance [W/(sr m^2)]
+    Variance variance;           ///< variance of `sum`, from the standard errors of the pixels, taken as independent
+    std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
+    double bias = 0;             ///< estimated bias of `sum`
+    double bias_variance = 0;    ///< variance of this estimate
+
+    /// How much the bias adds to the mean square of the sum's deviation from the truth.
+    double squared_bias() const;
+    void add(const BlockSide& other);
+    /// The variance of the mean of `groups`, which also holds if pixels share noise. NaN with fewer than 2 groups.
+    double scatter() const;
+};
+
+/// The sums of both images over a block.
+struct BlockSums {
+    double pixels = 0;
+    Eigen::AlignedBox2i box;  ///< box around the pixels, both ends included
+    BlockSide x, r;
+    Variance difference;  ///< variance of x.sum - r.sum, with pixels taken as independent
+    double degrees = 0;   ///< degrees of freedom of `difference`
+    bool equal = true;    ///< x = r in every pixel, which images of independent noise never are
+
+    void add(const BlockSums& other);
+};
+
+/// Divides the indices 0 to size - 1 into `count` parts whose sizes differ by at most 1.
+struct Cuts {
+    int size = 1, count = 1;
+    /// Parts of about `edge` indices: round(size / edge) of them, at least 1.
+    static Cuts with_edge(int size, int edge);
+    int begin(int part) const { return static_cast<int>(static_cast<long long>(part) * size / count); }
+};
+
+/// Divides an image into blocks of pixels, or a grid of blocks into larger blocks. Blocks are counted row by row from
+/// the top.
+struct Grid {
+    Cuts columns, rows;
+
+    static Grid with_edge(int width, int height, int edge);
+    std::size_t size() const { return static_cast<std::size_t>(columns.count) * static_cast<std::size_t>(rows.count); }
+    int column(std::size_t i) const { return static_cast<int>(i % static_cast<std::size_t>(columns.count)); }
+    int row(std::size_t i) const { return static_cast<int>(i / static_cast<std::size_t>(columns.count)); }
+    std::size_t index(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns.count) +
+               static_cast<std::size_t>(column);
+    }
+    /// Calls visit(x, y) for every pixel, or every smaller block, in block i.
+    template <typename Visit>
+    void for_each_in(std::size_t i, const Visit& visit) const {
+        for (int y = rows.begin(row(i)); y < rows.begin(row(i) + 1); ++y)
+            for (int x = columns.begin(column(i)); x < columns.begin(column(i) + 1); ++x)
+                visit(x, y);
+    }
+};
+
+/// Adds up the blocks of `grid` within each block of `larger`.
+std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger);
+
+struct MitsubaZTest {
+    static constexpr double significance = 0.01;
+    static constexpr double least_share = 0.9975;  ///< share of the values that have to pass
+
+    std::size_t values = 0;     ///< pixels x 3 (X, Y and Z)
+    std::size_t passing = 0;    ///< values whose p is above `threshold`
+    std::size_t nonfinite = 0;  ///< values whose statistic is not finite; they do not pass
+    double threshold = 0;       ///< `significance` with Sidak's correction for the number of pixels
+    double smallest_p = 1;
+    int x = 0, y = 0;         ///< pixel of `smallest_p`, row 0 on top
+    std::size_t channel = 0;  ///< channel of `smallest_p`: 0, 1, 2 for X, Y, Z
+    double share() const { return static_cast<double>(passing) / static_cast<double>(values); }
+    bool accepted() const;
+};
+
+/// `x` was rendered with `spp` samples a pixel. `variance` is the variance of one sample in XYZ, converted to linear
+/// RGB, so that it may have negative values. The reference counts as exact. All images have one size.
+MitsubaZTest mitsuba_z_test(const Image& x, const Image& reference, const Image& variance, std::uint32_t spp);
 
 }  // namespace gib

@@ -3,10 +3,8 @@
 #include "common/color/dispersion.h"
 #include "common/scene/scene.h"
 #include "experiments/photons/surfaces.h"
-#include "experiments/report/image_pack.h"
-#include "experiments/text/embedded_files.h"
+#include "experiments/report/report_pictures.h"
 #include "experiments/text/html.h"
-#include "experiments/text/template_text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +15,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <stdexcept>
 
 namespace gib {
 
@@ -25,9 +22,6 @@ static_assert(std::endian::native == std::endian::little, "the page reads its ar
 
 namespace {
 
-using kainjow::mustache::data;
-using kainjow::mustache::list;
-using kainjow::mustache::object;
 using nlohmann::json;
 
 /// Triangles of the scene on a page, which take 9 MB in base64.
@@ -42,12 +36,20 @@ public:
     void add(const std::string& name, const std::vector<T>& values) {
         const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(values.data()),
                                                   values.size() * sizeof(T));
-        elements_.push_back(object{{"name", name}, {"text", base64(bytes)}});
+        elements_.push_back({{"name", name}, {"text", base64(bytes)}});
     }
-    data elements() const { return elements_; }
+    /// The same of what `of` makes of each item.
+    template <typename Item, typename Of>
+    void add(const std::string& name, const std::vector<Item>& items, const Of& of) {
+        std::vector<decltype(of(items.front()))> values;
+        for (const Item& item : items)
+            values.push_back(of(item));
+        add(name, values);
+    }
+    const json& elements() const { return elements_; }
 
 private:
-    list elements_;
+    json elements_ = json::array();
 };
 
 using Position = std::array<float, 3>;
@@ -126,28 +128,15 @@ json photons_json(const CollectedLight& light, Arrays& arrays) {
 }
 
 void add_records(const std::vector<StoredRecord>& records, Arrays& arrays) {
-    std::vector<Position> positions, normals, irradiances;
-    std::vector<float> radii;
-    for (const StoredRecord& record : records) {
-        positions.push_back(position_of(record.p));
-        normals.push_back(position_of(record.n));
-        irradiances.push_back(color_of(record.irradiance));
-        radii.push_back(record.radius);
-    }
-    arrays.add("record-positions", positions);
-    arrays.add("record-normals", normals);
-    arrays.add("record-irradiances", irradiances);
-    arrays.add("record-radii", radii);
+    arrays.add("record-positions", records, [](const StoredRecord& r) { return position_of(r.p); });
+    arrays.add("record-normals", records, [](const StoredRecord& r) { return position_of(r.n); });
+    arrays.add("record-irradiances", records, [](const StoredRecord& r) { return color_of(r.irradiance); });
+    arrays.add("record-radii", records, [](const StoredRecord& r) { return r.radius; });
 }
 
 void add_patches(const StoredPatches& patches, Arrays& arrays) {
-    std::vector<Position> corners, radiosities;
-    for (const Vec3& corner : patches.corners)
-        corners.push_back(position_of(corner));
-    for (const Color& radiosity : patches.radiosity)
-        radiosities.push_back(color_of(radiosity));
-    arrays.add("patch-corners", corners);
-    arrays.add("patch-radiosities", radiosities);
+    arrays.add("patch-corners", patches.corners, position_of);
+    arrays.add("patch-radiosities", patches.radiosity, color_of);
     arrays.add("patch-indices", patches.patches);
 }
 
@@ -238,14 +227,6 @@ std::string data_url(std::string_view script) {
            base64({reinterpret_cast<const std::uint8_t*>(script.data()), script.size()});
 }
 
-/// The page's own script, a module.
-std::string page_script() {
-    std::string script;
-    for (const char* name : {"data", "colors", "photons", "solids", "view", "panel", "estimates", "page"})
-        script += embedded_file(fmt::format("photons_page/{}.js", name));
-    return script;
-}
-
 }  // namespace
 
 std::array<std::uint8_t, 4> rgbe_of(const Colord& color) {
@@ -287,15 +268,18 @@ std::string photons_page(const PageContent& content) {
     const json imports = {{"imports",
                            {{"three", data_url(embedded_file("three.js"))},
                             {"three/orbit-controls", data_url(embedded_file("OrbitControls.js"))}}}};
-    const data values = object{{"title", html_escape(content.method + " in " + content.scene.name)},
-                               {"scene", html_escape(content.scene.name)},
-                               {"method", html_escape(content.method)},
-                               {"style", std::string(embedded_file("report_page/scheme.css")) +
-                                             std::string(embedded_file("photons_page/page.css"))},
-                               {"facts", script_safe_json(facts.dump())},
-                               {"arrays", arrays.elements()},
-                               {"imports", imports.dump()},
-                               {"script", script_safe_code(page_script())}};
+    const json values = {
+        {"title", html_escape(content.method + " in " + content.scene.name)},
+        {"scene", html_escape(content.scene.name)},
+        {"method", html_escape(content.method)},
+        {"style",
+         std::string(embedded_file("report_page/scheme.css")) + std::string(embedded_file("photons_page/page.css"))},
+        {"facts", script_safe_json(facts.dump())},
+        {"arrays", arrays.elements()},
+        {"imports", imports.dump()},
+        {"script", embedded_scripts({"report_page/core.js", "report_page/controls.js", "photons_page/data.js",
+                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/view.js",
+                                     "photons_page/panel.js", "photons_page/estimates.js", "photons_page/page.js"})}};
     return filled(embedded_file("photons_page/page.html"), values,
                   [](std::string_view text) { return std::string(text); });
 }

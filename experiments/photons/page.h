@@ -1,8 +1,7 @@
 #pragma once
 // The page that shows stored light in the scene: one file, with its data and three.js inside, which opens offline.
 
-#include "experiments/photons/collected_light.h"
-#include "experiments/photons/estimates.h"
+#include "experiments/photons/stored_light.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "experiments/photons/surfaces.h"
 
 #include "common/scene/scene.h"
-#include "experiments/photons/even_shares.h"
+#include "experiments/photons/stored_light.h"
 
 #include <algorithm>
 #include <cmath>

@@ -18,8 +18,8 @@ class Estimates {
     view.scene.add(this.marks);
   }
 
-  pointOf(i) { return new THREE.Vector3().fromArray(this.points, 3 * i); }
-  normalOf(i) { return new THREE.Vector3().fromArray(this.normals, 3 * i).normalize(); }
+  pointOf(i) { return vector(this.points, i); }
+  normalOf(i) { return vector(this.normals, i).normalize(); }
 
   /// The pixel whose place lies nearest to p, unless p is farther away than its neighbours in the image are, or unless that
   /// place is seen from behind here; -1: none.
@@ -67,19 +67,16 @@ class Estimates {
   }
 
   addRows(name, rows) {
-    const table = part("estimate-table");
-    element("th", element("tr", table, { className: "name" }), { colSpan: 4, textContent: name });
-    for (const [what, values] of rows) {
-      const row = element("tr", table);
-      element("th", row, { textContent: what });
-      for (const v of values) element("td", row, { textContent: v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(3) : v.toPrecision(4) });
-    }
+    part("estimate-table").append(
+      element("tr", { className: "name" }, element("th", { colSpan: 4, textContent: name })),
+      ...rows.map(([what, values]) => element("tr", {}, element("th", { textContent: what }),
+        ...values.map((v) => element("td", { textContent: number(v) })))));
   }
 
   /// Draws what the estimate at pixel i uses, and returns it in words.
   mark(i) {
     const p = this.pointOf(i), n = this.normalOf(i), words = [];
-    this.line([new THREE.Vector3().fromArray(facts.camera.position), p], 0xffffff);
+    this.line([vector(facts.camera.position), p], 0xffffff);
     if (!this.diffuse[i]) return ["A specular surface: the path from the eye goes on, and no photons are looked up here."];
     facts.maps.forEach((map, m) => {
       const radius = this.facts.radii[map.name], component = COMPONENTS_OF_MAPS[map.name];
@@ -120,8 +117,7 @@ class Estimates {
   markRecords(records, p, n) {
     let within = 0;
     for (let j = 0; j < records.count; j++) {
-      const at = new THREE.Vector3().fromArray(records.positions, 3 * j);
-      const normal = new THREE.Vector3().fromArray(records.normals, 3 * j);
+      const at = vector(records.positions, j), normal = vector(records.normals, j);
       if (at.distanceTo(p) > records.radii[j] || normal.dot(n) < 0.9) continue;
       this.circle(at, normal, records.radii[j], ESTIMATE_COLORS.record);
       within += 1;
@@ -157,15 +153,14 @@ function addEstimates(view, layers) {
   const place = part("estimate");
   place.hidden = false;
   if (k.length > 1) {
-    const slider = addSlider(place, "k", { min: 0, max: k.length - 1, value: own, text: (i) => k[i] }, (i) => {
+    part("estimate-words").before(slider("k", { min: 0, max: k.length - 1, value: own }, (i) => k[i], (i) => {
       estimates.chosen = i;
       estimates.show(estimates.pixel);
-    });
-    place.insertBefore(slider.closest(".row"), part("estimate-words"));
+    }).whole);
   }
   const image = `Estimates are those of the method's image after ${counted(passes)} pass${passes === 1 ? "" : "es"}`;
-  element("p", place, { className: "facts", textContent: `${image}${truth ? "" : "; --reference adds the truth"}.` });
-  if (emitted) element("p", part("maps"), { className: "facts", textContent: `${counted(emitted)} photons emitted. ` +
-    "Powers are in watts if a scene unit is a metre; else they are to be multiplied by its square [m²]." });
+  place.append(element("p", { className: "facts", textContent: `${image}${truth ? "" : "; --reference adds the truth"}.` }));
+  if (emitted) part("maps").append(element("p", { className: "facts", textContent: `${counted(emitted)} photons emitted. ` +
+    "Powers are in watts if a scene unit is a metre; else they are to be multiplied by its square [m²]." }));
   return estimates;
 }

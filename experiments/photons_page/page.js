@@ -1,7 +1,5 @@
 // Puts stage and panel together.
 
-const part = (id) => document.getElementById(id);
-
 function describeShown(view, layers) {
   const { photons, records, patches } = layers, parts = [];
   if (photons) {
@@ -16,130 +14,120 @@ function describeShown(view, layers) {
 }
 
 function addPhotons(view, layers) {
-  const photons = layers.photons, filter = photons.filter;
+  const { photons } = layers, { filter } = photons, { bounces } = filter, place = part("photons");
+  const redraw = () => view.redraw();
   const changed = () => {
     photons.apply();
     describeShown(view, layers);
   };
-  part("photons").hidden = false;
-  facts.maps.forEach((map, i) => {
+  place.hidden = false;
+  part("maps").append(...facts.maps.map((map, i) => {
     const share = map.shown < map.stored
       ? `${counted(map.shown)} of ${counted(map.stored)} on this page (${short((100 * map.shown) / map.stored)} %)`
       : `all ${counted(map.stored)} on this page`;
-    const detail = `${share}; mean ${short(map.mean_power)} ${map.power_unit}`;
-    addCheck(part("maps"), `${map.name} map`, detail, true, (on) => {
+    return check(`${map.name} map`, `${share}; mean ${short(map.mean_power)} ${map.power_unit}`, (on) => {
       filter.maps[i] = on;
       changed();
-    });
-  });
-  const choices = { light: "the light's own", power: "power", bounces: "bounces", wavelength: "wavelength" };
-  if (!facts.dispersive) delete choices.wavelength;
-  const color = () => {
-    photons.colorBy(select.value);
-    exposure.disabled = select.value !== "light";
-    drawLegend(part("legend"), select.value, photons);
-    view.redraw();
+    }).whole;
+  }));
+  const names = { light: "the light's own", power: "power", bounces: "bounces", wavelength: "wavelength" };
+  if (!facts.dispersive) delete names.wavelength;
+  const exposure = exposureSlider(4, redraw), keys = Object.keys(names);
+  const colorBy = (i) => {
+    photons.colorBy(keys[i]);
+    exposure.input.disabled = keys[i] !== "light";
+    part("legend").replaceChildren(...legendOf(keys[i], photons));
+    redraw();
   };
-  const first = facts.dispersive ? "wavelength" : "light";
-  const select = addChoice(part("maps"), "Colour", Object.entries(choices), first, () => color());
-  const redraw = () => view.redraw();
-  const stops = { min: -4, max: 4, step: 0.5, value: 0, text: (v) => `${v} EV` };
-  const exposure = addSlider(part("photons"), "Exposure", stops, redraw);
-  addBounces(photons, changed);
-  if (facts.photons_of_passes && facts.passes > 1) addPasses(photons, changed);
-  const points = { min: 1, max: 10, step: 0.5, value: sizeOfPoints(photons.count, view.stage), text: (v) => `${v} px` };
-  const size = addSlider(part("photons"), "Size of points", points, redraw);
+  const first = facts.dispersive ? keys.indexOf("wavelength") : 0;
+  part("maps").append(select("Colour", Object.values(names), first, colorBy).whole);
+  // The ends of the range of bounces; where one passes the other, that one gives way.
+  const ends = ["Least bounces", "Most bounces"].map((name, i) =>
+    slider(name, { min: 0, max: photons.mostBounces, value: bounces[i] }, String, (value) => {
+      bounces[i] = value;
+      if (bounces[0] > bounces[1]) bounces[1 - i] = value;
+      ends.forEach((end, k) => end.set(bounces[k]));
+      changed();
+    }));
+  place.append(exposure.whole, ...ends.map((end) => end.whole));
+  if (facts.photons_of_passes && facts.passes > 1) {
+    const set = () => {
+      const last = Number(passes.input.value) - 1;
+      filter.passes = [alone.box.checked ? last : 0, last];
+      changed();
+    };
+    const passes = slider("Passes up to", { min: 1, max: facts.passes, value: facts.passes }, String, set);
+    const alone = check("that pass alone", "", set);
+    alone.box.checked = false;
+    place.append(passes.whole, alone.whole);
+  }
+  const value = sizeOfPoints(photons.count, view.stage);
+  const size = slider("Size of points", { min: 1, max: 10, step: 0.5, value }, (v) => `${v} px`, redraw);
+  place.append(size.whole);
   view.beforeDraw = (ratio, pixels) => {
-    const uniforms = photons.points.material.uniforms;
-    uniforms.size.value = size.value * ratio;
+    const uniforms = photons.points.material.uniforms, points = Number(size.input.value);
+    uniforms.size.value = points * ratio;
     // A photon is the brighter, the fewer of them lie on a pixel if they lay evenly on the stage.
-    const layers = (photons.count * size.value ** 2) / pixels;
-    uniforms.exposure.value = Math.min(1, 0.25 / layers) * 2 ** exposure.value;
+    const layers = (photons.count * points ** 2) / pixels;
+    uniforms.exposure.value = Math.min(1, 0.25 / layers) * 2 ** exposure.input.value;
   };
-  color();
+  colorBy(first);
 }
 
 /// Fewer points are larger, so that they can be seen, and so are those on a large stage [pixels of the page].
 function sizeOfPoints(count, stage) {
-  const size = Math.min(Math.max(4.5 - 0.75 * Math.log10(Math.max(count, 1) / 1000), 1.5), 5);
-  const share = Math.min(Math.max(Math.sqrt((stage.clientWidth * stage.clientHeight) / 1e6), 0.6), 1);
+  const size = clamped(4.5 - 0.75 * Math.log10(Math.max(count, 1) / 1000), 1.5, 5);
+  const share = clamped(Math.sqrt((stage.clientWidth * stage.clientHeight) / 1e6), 0.6, 1);
   return Math.max(1, Math.round(2 * size * share) / 2);
 }
 
-function addBounces(photons, changed) {
-  const { bounces } = photons.filter, limits = { min: 0, max: photons.mostBounces };
-  const set = (i, value) => {
-    bounces[i] = value;
-    if (bounces[0] > bounces[1]) bounces[1 - i] = value;  // the other end gives way
-    ends.forEach((end, k) => {
-      end.value = bounces[k];
-      end.update();
-    });
-    changed();
-  };
-  const ends = ["Least bounces", "Most bounces"].map((name, i) =>
-    addSlider(part("photons"), name, { ...limits, value: bounces[i] }, (value) => set(i, value)));
-}
-
-function addPasses(photons, changed) {
-  const set = () => {
-    const last = Number(slider.value) - 1;
-    photons.filter.passes = [alone.checked ? last : 0, last];
-    changed();
-  };
-  const limits = { min: 1, max: facts.passes, value: facts.passes };
-  const slider = addSlider(part("photons"), "Passes up to", limits, set);
-  const alone = addCheck(part("photons"), "that pass alone", "", false, set);
+/// A section of the panel about a layer that can be hidden, with further controls.
+function addLayer(view, layers, name, label, detail, ...more) {
+  part(name).hidden = false;
+  part(name).append(check(label, detail, (on) => {
+    layers[name].group.visible = on;
+    describeShown(view, layers);
+  }).whole, ...more.map((control) => control.whole));
 }
 
 function addRecords(view, layers) {
-  const records = layers.records, place = part("records");
-  place.hidden = false;
-  addCheck(place, "discs of their radius", `${counted(records.count)}, white: E ${short(records.white)} W/m²`, true,
-    (on) => {
-      records.group.visible = on;
-      describeShown(view, layers);
-    });
-  addSlider(place, "Radius", { min: 5, max: 100, value: 100, text: (v) => `${v} %` }, (value) => {
-    records.scale(value / 100);
-    view.redraw();
-  });
+  const { records } = layers;
+  addLayer(view, layers, "records", "discs of their radius",
+    `${counted(records.count)}, white: E ${short(records.white)} W/m²`,
+    slider("Radius", { min: 5, max: 100, value: 100 }, (v) => `${v} %`, (value) => {
+      records.scale(value / 100);
+      view.redraw();
+    }));
 }
 
 function addPatches(view, layers) {
-  const patches = layers.patches, place = part("patches");
-  place.hidden = false;
-  const detail = `${counted(patches.count)} patches, white: ${short(patches.white)} W/m²`;
-  addCheck(place, "radiosity", detail, true, (on) => {
-    patches.group.visible = on;
-    describeShown(view, layers);
-  });
-  addCheck(place, "edges", "", true, (on) => {
-    patches.edges.visible = on;
-    view.redraw();
-  });
-  addSlider(place, "Exposure", { min: -4, max: 8, step: 0.5, value: 0, text: (v) => `${v} EV` }, (value) => {
-    patches.expose(value);
-    view.redraw();
-  });
+  const { patches } = layers;
+  addLayer(view, layers, "patches", "radiosity", `${counted(patches.count)} patches, white: ${short(patches.white)} W/m²`,
+    check("edges", "", (on) => {
+      patches.edges.visible = on;
+      view.redraw();
+    }),
+    exposureSlider(8, (value) => {
+      patches.expose(value);
+      view.redraw();
+    }));
 }
 
 function addSurfaces(view, layers) {
-  const { shown, whole } = facts.surfaces;
-  const choices = ["solid", "translucent", "wire", "hidden"].map((name) => [name, name]);
-  const first = layers.patches ? "hidden" : "solid";
-  layers.surfaces.show(first);
-  addChoice(part("surfaces"), "Draw them", choices, first, (how) => {
-    layers.surfaces.show(how);
+  const { shown, whole } = facts.surfaces, ways = ["solid", "translucent", "wire", "hidden"];
+  const first = layers.patches ? 3 : 0;
+  const show = (i) => {
+    layers.surfaces.show(ways[i]);
     view.redraw();
-  });
-  const cut = { min: 0, max: 100, value: 0, text: (v) => `${v} %` };
-  addSlider(part("surfaces"), "Cut away", cut, (share) => {
-    view.cut = share / 100;
-    view.redraw();
-  });
-  const text = shown < whole ? `${counted(shown)} of ${counted(whole)} triangles` : `${counted(whole)} triangles`;
-  element("p", part("surfaces"), { className: "facts", textContent: text });
+  };
+  show(first);
+  part("surfaces").append(select("Draw them", ways, first, show).whole,
+    slider("Cut away", { min: 0, max: 100, value: 0 }, (v) => `${v} %`, (share) => {
+      view.cut = share / 100;
+      view.redraw();
+    }).whole,
+    element("p", { className: "facts",
+      textContent: `${shown < whole ? `${counted(shown)} of ` : ""}${counted(whole)} triangles` }));
 }
 
 /// The thing at a place on the stage: the nearest photon, else a record, else a patch; and the estimate there.
@@ -169,7 +157,7 @@ function start() {
   try {
     view = new View(stage);
   } catch (error) {
-    element("p", stage, { className: "failure", textContent: `This browser draws no WebGL: ${error.message}` });
+    stage.append(element("p", { className: "failure", textContent: `This browser draws no WebGL: ${error.message}` }));
     return;
   }
   const layers = { surfaces: new Surfaces() };

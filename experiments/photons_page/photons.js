@@ -46,6 +46,17 @@ void main() {
 }`;
 
 const COLOR_BY = { light: 0, power: 1, bounces: 2, wavelength: 3 };
+// Colours in sRGB, bright enough for the dark ground of the stage.
+const POWER_SCALE = [[106, 92, 240], [176, 79, 208], [234, 90, 147], [251, 141, 98], [251, 200, 94], [253, 247, 192]];
+const BOUNCE_COLORS = [[255, 226, 122], [255, 157, 77], [255, 95, 126], [209, 99, 230], [139, 123, 255], [79, 168, 255],
+  [63, 208, 201], [127, 214, 107], [169, 178, 189]];
+
+/** One row of colours as a texture without interpolation. */
+function rowTexture(colors) {
+  const texture = new THREE.DataTexture(Uint8Array.from(colors.flatMap((c) => [...c.map(Math.round), 255])), colors.length, 1);
+  texture.needsUpdate = true;
+  return texture;
+}
 
 class Photons {
   constructor() {
@@ -60,8 +71,7 @@ class Photons {
       maps: facts.maps.map(() => true), bounces: [0, this.mostBounces], passes: [0, Math.max(facts.passes - 1, 0)],
     };
     this.powerRange = this.rangeOfPowers();
-    this.powerColors = Array.from({ length: 256 }, (_, i) => between(POWER_STOPS, i / 255));
-    this.strata = [[235, 235, 235], ...facts.strata.map((s) => s.color.map(srgbByte))];
+    this.strata = [[235, 235, 235], ...facts.strata.map((s) => s.color.map((v) => srgbByte(clamped(v, 0, 1))))];
     this.points = new THREE.Points(this.geometry(), this.material());
     this.points.frustumCulled = false;
     this.points.renderOrder = 3;
@@ -84,8 +94,8 @@ class Photons {
         shownMaps: { value: new THREE.Vector4() }, bounces: { value: new THREE.Vector2() },
         passes: { value: new THREE.Vector2() }, powerRange: { value: new THREE.Vector2(...this.powerRange) },
         size: { value: 1 }, exposure: { value: 1 }, colorBy: { value: 0 },
-        powerColors: { value: rowTexture(this.powerColors) },
-        bounceColors: { value: rowTexture(BOUNCE_COLORS.map(bytesOfHex)) },
+        powerColors: { value: rowTexture(Array.from({ length: 256 }, (_, i) => scaleColor(POWER_SCALE, i / 255))) },
+        bounceColors: { value: rowTexture(BOUNCE_COLORS) },
         strataColors: { value: rowTexture(this.strata) },
       },
     });

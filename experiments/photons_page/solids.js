@@ -1,6 +1,6 @@
 // Everything that has an area: the scene's surfaces, records of an irradiance cache as discs, patches of radiosity.
 
-const colorsOf = (numbers, factor) => numbers.map((v) => Math.min(Math.max(v * factor, 0), 1));
+const colorsOf = (numbers, factor) => numbers.map((v) => clamped(v * factor, 0, 1));
 
 /// The surfaces: first those that reflect diffusely or emit, then those that one sees through.
 class Surfaces {

@@ -10,8 +10,7 @@ class View {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera();
     this.camera.up.fromArray(facts.camera.up);
-    const lamp = new THREE.DirectionalLight(0xffffff, 1.3);
-    this.camera.add(lamp);
+    this.camera.add(new THREE.DirectionalLight(0xffffff, 1.3));
     this.scene.add(this.camera, new THREE.AmbientLight(0xffffff, 1.9));
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.enableDamping = false;
@@ -20,7 +19,7 @@ class View {
     this.cut = 0;
     this.reset();
     new ResizeObserver(() => this.resize()).observe(stage);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+    onScheme(() => this.redraw());
     stage.addEventListener("keydown", (event) => this.key(event));
     this.listenForPicks();
     this.resize();
@@ -28,9 +27,8 @@ class View {
 
   /// The view of the scene's own camera, which turns about the scene's middle as it lies along the view.
   reset() {
-    const { position, direction } = facts.camera;
-    const from = new THREE.Vector3().fromArray(position), along = new THREE.Vector3().fromArray(direction);
-    const depth = new THREE.Vector3().fromArray(facts.center).sub(from).dot(along);
+    const from = vector(facts.camera.position), along = vector(facts.camera.direction);
+    const depth = vector(facts.center).sub(from).dot(along);
     this.camera.position.copy(from);
     this.controls.target.copy(from).addScaledVector(along, Math.max(depth, 0.05 * facts.diagonal));
     this.controls.minDistance = 1e-3 * facts.diagonal;
@@ -62,13 +60,13 @@ class View {
   }
 
   draw() {
-    const away = this.camera.position.distanceTo(new THREE.Vector3().fromArray(facts.center));
+    const away = this.camera.position.distanceTo(vector(facts.center));
     this.camera.far = away + 1.5 * facts.diagonal;
     // The scene lies within half a diagonal of its centre; `cut` is the share of that depth which is left out in front.
     const cut = this.cut > 0 ? away + (this.cut - 0.5) * facts.diagonal : 0;
     this.camera.near = Math.max(5e-4 * this.camera.far, away - 1.5 * facts.diagonal, cut);
     this.camera.updateProjectionMatrix();
-    this.scene.background = new THREE.Color(getComputedStyle(this.stage).getPropertyValue("--stage").trim());
+    this.scene.background = new THREE.Color(color("--stage", this.stage));
     const { clientWidth, clientHeight } = this.stage;
     if (this.beforeDraw) this.beforeDraw(this.renderer.getPixelRatio(), clientWidth * clientHeight);
     this.renderer.render(this.scene, this.camera);

@@ -7,8 +7,8 @@
 #include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/experiment_methods.h"
 #include "experiments/plan/method_sweep.h"
-#include "experiments/plan/reference_methods.h"
-#include "experiments/plan/run_options.h"
+#include "experiments/plan/toml_reader.h"
+#include "methods/method.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,15 +21,19 @@ namespace {
 /// The relative standard error of references for which the experiment file gives neither a target nor a time.
 constexpr double default_target = 0.01;
 
-void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
+/// A path that is relative to the experiment file, as the program opens it.
+std::string path_beside(const Experiment& experiment, const std::filesystem::path& written) {
     const auto folder = std::filesystem::path(experiment.path).parent_path();
+    return (written.is_absolute() ? written : folder / written).lexically_normal().string();
+}
+
+void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
     for (const auto& value : reader.filled_array(node, "scenes", "scene files")) {
         ExperimentScene scene;
         scene.where = reader.at(value);
         scene.written = reader.string(value, "scenes");
-        const std::filesystem::path written(scene.written);
-        scene.path = (written.is_absolute() ? written : folder / written).lexically_normal().string();
-        scene.name = written.stem().string();
+        scene.path = path_beside(experiment, scene.written);
+        scene.name = std::filesystem::path(scene.written).stem().string();
         if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
             reject(scene.where, "there is no scene file '{}'", scene.path);
         for (const auto& other : experiment.scenes)
@@ -90,7 +94,6 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
 
 /// Reads the images that are the references: one for the only scene, or a list with one for each scene.
 void read_reference_images(const TomlReader& reader, const toml::table& table, Experiment& experiment) {
-    namespace fs = std::filesystem;
     reader.check_keys(table, "[reference] with an image", {"image"});
     const toml::node& node = *table.get("image");
     const auto* list = node.as_array();
@@ -98,11 +101,10 @@ void read_reference_images(const TomlReader& reader, const toml::table& table, E
         reject(reader.at(node), "'image' gives {} references for {} scenes", count, experiment.scenes.size());
     for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
         const toml::node& value = list ? (*list)[i] : node;
-        const fs::path written = reader.string(value, "image");
-        const fs::path path = written.is_absolute() ? written : fs::path(experiment.path).parent_path() / written;
-        if (std::error_code error; !fs::is_regular_file(path, error))
-            reject(reader.at(value), "there is no image '{}'", path.lexically_normal().string());
-        experiment.scenes[i].reference_image = path.lexically_normal().string();
+        std::string& path = experiment.scenes[i].reference_image =
+            path_beside(experiment, reader.string(value, "image"));
+        if (std::error_code error; !std::filesystem::is_regular_file(path, error))
+            reject(reader.at(value), "there is no image '{}'", path);
     }
 }
 
@@ -126,7 +128,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     MethodSweep further(reader, find_comparable_method(label.name, where), label);
     const auto own = names_of(experiment_keys(), "[reference]");
     for (const auto& entry : reader.entries(table))
-        if (std::find(own.begin(), own.end(), entry.key) == own.end()) further.add(entry);
+        if (std::ranges::find(own, entry.key) == own.end()) further.add(entry);
     const auto labels = further.labels(where);
     if (labels.size() != 1) throw InputError(where, "a reference has one value for each parameter, not a list");
     experiment.reference_method = {name, labels.front().values};
@@ -138,6 +140,41 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
         if (seconds) scene.goal.seconds = reader.positive_number(*seconds, "seconds");
         if (!scene.goal.target && !scene.goal.seconds) scene.goal.target = default_target;
     }
+}
+
+/// The texts of a list, or the one that stands there alone.
+std::vector<TuneFile::Text> read_texts(const TomlReader& reader, const toml::node& node, const char* key,
+                                       const char* of_what) {
+    if (node.is_string()) return {{reader.string(node, key), reader.at(node)}};
+    std::vector<TuneFile::Text> texts;
+    for (const auto& value : reader.filled_array(node, key, of_what))
+        texts.push_back({reader.string(value, key), reader.at(value)});
+    return texts;
+}
+
+std::string checked_method(const TuneFile::Text& label) {
+    const MethodLabel parsed = MethodLabel::parse(label.text, label.where);
+    find_comparable_method(parsed.name, label.where);
+    const ConfiguredMethod method(parsed, label.where);
+    try {
+        method.create(MethodDefaults{});
+    } catch (const InputError& error) {
+        throw InputError(label.where, error.what());
+    }
+    return label.text;
+}
+
+void read_tune(const TomlReader& reader, const toml::table& table, TuneFile& file) {
+    reader.check_keys(table, "tune", names_of(experiment_keys(), "[tune]"));
+    if (const auto* target = table.get("target")) {
+        read_target(reader, *target);
+        file.target = reader.text_of(*target);
+    }
+    if (const auto* method = table.get("method"))
+        for (const auto& label : read_texts(reader, *method, "method", "labels"))
+            file.methods.push_back(checked_method(label));
+    if (const auto* vary = table.get("vary")) file.variations = read_texts(reader, *vary, "vary", "variations");
+    if (const auto* minutes = table.get("minutes")) file.minutes = reader.positive_number(*minutes, "minutes");
 }
 
 }  // namespace
@@ -174,16 +211,12 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
         experiment.epsilon = reader.positive_number(*epsilon, "epsilon");
         require_epsilon(*experiment.epsilon, reader.at(*epsilon));
     }
-    if (root.get("tune")) return experiment;  // tune_file.h reads the rest
+    if (root.get("tune")) return experiment;  // parse_tune_file() reads the rest
     if (const auto* budget = root.get("budget")) experiment.budget = read_budget(reader, *budget);
     read_reference(reader, root.get("reference"), experiment);
     const auto* methods = root.get("method");
     if (!methods) throw InputError({path}, "an experiment needs at least one [[method]]");
-    auto [labels, externals, filters, given_names] = read_methods(reader, *methods);
-    experiment.methods = std::move(labels);
-    experiment.externals = std::move(externals);
-    experiment.filters = std::move(filters);
-    experiment.given_names = std::move(given_names);
+    static_cast<ExperimentMethods&>(experiment) = read_methods(reader, *methods);
     for (const auto& [text_of_label, external] : experiment.externals)
         if (external.takes("seconds") && !experiment.budget.seconds)
             reject(external.where, "a command with {{seconds}} needs a budget in seconds");
@@ -191,5 +224,19 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
 }
 
 Experiment load_experiment(const std::string& path) { return parse_experiment(read_file(path), path); }
+
+std::optional<TuneFile> parse_tune_file(const std::string& text, const std::string& path) {
+    const TomlReader reader(text, path);
+    const auto* tune = reader.root().get("tune");
+    if (!tune) return std::nullopt;
+    reader.check_keys(reader.root(), "an experiment with [tune]",
+                      {"title", "scenes", "paths", "resolution", "epsilon", "tune"});
+    TuneFile file;
+    file.head = parse_experiment(text, path);
+    read_tune(reader, reader.table(*tune, "tune"), file);
+    return file;
+}
+
+std::optional<TuneFile> load_tune_file(const std::string& path) { return parse_tune_file(read_file(path), path); }
 
 }  // namespace gib

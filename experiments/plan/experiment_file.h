@@ -1,10 +1,12 @@
 #pragma once
 // An experiment file says which scenes are rendered with which methods, how often and for how long, and with what
 // references they are compared.
+//
+// What `gibench tune` is asked for, on its command line or by an experiment file with `[tune]`, which asks for each of its scenes.
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"
-#include "experiments/plan/filter_label.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/plan/run_options.h"
 #include "methods/parameters.h"
 
@@ -42,7 +44,7 @@ struct ExperimentScene {
     std::string reference_image = {};
 };
 
-struct Experiment {
+struct Experiment : ExperimentMethods {
     std::string path;
     std::string name;  ///< name of the file, without folder and extension
     std::string text;  ///< the whole file
@@ -55,10 +57,6 @@ struct Experiment {
     std::optional<double> epsilon;
     Budget budget;
     MethodLabel reference_method;
-    std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
-    std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
-    std::map<std::string, ExternalMethod> filters;    ///< commands that filter, by their names in labels
-    std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
 
     /// The command of a label; null for a method of gibench.
     const ExternalMethod* external(const MethodLabel& label) const {
@@ -82,5 +80,22 @@ Experiment parse_experiment(const std::string& text, const std::string& path);
 
 /// The fraction that a text such as "1%" or "0.01" gives. Throws InputError at `where` unless it lies in (0, 1).
 double parse_target(const std::string& text, const SourceLocation& where = {});
+
+struct TuneFile {
+    Experiment head;                            ///< title, scenes, paths, resolution and epsilon; without methods
+    std::string target{default_tuning_target};  ///< relative RMSE
+    std::vector<std::string> methods;           ///< labels; empty: every method
+    struct Text {
+        std::string text;
+        SourceLocation where;
+    };
+    std::vector<Text> variations;             ///< such as "photons=1e4..1e7"
+    double minutes = default_tuning_minutes;  ///< time for reference, search and final runs of a scene
+};
+
+/// Reads an experiment file with `[tune]`; empty if it has none. Throws InputError (`file:line:column: message`) for
+/// unknown keys, wrong types, unknown methods and parameters, and for keys of other experiments.
+std::optional<TuneFile> load_tune_file(const std::string& path);
+std::optional<TuneFile> parse_tune_file(const std::string& text, const std::string& path);
 
 }  // namespace gib

@@ -34,7 +34,7 @@ std::string shell_word(const std::string& word) {
         return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
                std::string_view("_-+=./,:@%").find(c) != std::string_view::npos;
     };
-    if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
+    if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
     std::string quoted = "'";
     for (const char c : word)
         quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -60,7 +60,7 @@ std::vector<std::string> ExternalMethod::placeholders() const {
 
 bool ExternalMethod::takes(std::string_view placeholder) const {
     const auto names = placeholders();
-    return std::find(names.begin(), names.end(), placeholder) != names.end();
+    return std::ranges::find(names, placeholder) != names.end();
 }
 
 std::string ExternalMethod::identity() const {

@@ -45,4 +45,12 @@ const std::vector<std::string>& command_placeholders();
 /// the label. Throws InputError at the command for a placeholder without a value.
 std::string filled_command(const ExternalMethod& method, const std::map<std::string, std::string>& values);
 
+/// The methods of an experiment.
+struct ExperimentMethods {
+    std::vector<MethodLabel> methods;                 ///< sweeps expanded, in the order of the file
+    std::map<std::string, ExternalMethod> externals;  ///< those of them that run a command, by their labels
+    std::map<std::string, ExternalMethod> filters;    ///< commands that filter, by their names in labels
+    std::map<std::string, std::string> given_names;   ///< the key `label` of their tables, by their labels
+};
+
 }  // namespace gib

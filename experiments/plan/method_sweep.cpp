@@ -49,15 +49,13 @@ std::string MethodSweep::checked(const TomlReader::Entry& entry, const toml::nod
     if (!value.is_string() && !value.is_number() && !value.is_boolean())
         reject(reader_.at(value), "parameter '{}' needs a number or a word", entry.key);
     const std::string text = reader_.text_of(value);
-    const auto declared =
-        std::find_if(parameters_.begin(), parameters_.end(), [&](const Parameter& p) { return p.name == entry.key; });
+    const auto declared = std::ranges::find_if(parameters_, [&](const Parameter& p) { return p.name == entry.key; });
     const bool known = declared != parameters_.end();
     // An unknown parameter is reported at its key, every other error at the value.
     ParameterValues(parameters_, MethodLabel{labels_.front().name, {{entry.key, text}}},
                     known ? reader_.at(value) : entry.key_at);
-    const bool is_word =
-        known && (declared->kind == Parameter::Kind::text ||
-                  std::find(declared->choices.begin(), declared->choices.end(), text) != declared->choices.end());
+    const bool is_word = known && (declared->kind == Parameter::Kind::text ||
+                                   std::ranges::find(declared->choices, text) != declared->choices.end());
     if (value.is_string() && !is_word)
         reject(reader_.at(value), "parameter '{}' needs a number without quotes", entry.key);
     return text;

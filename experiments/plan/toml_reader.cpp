@@ -55,7 +55,7 @@ std::vector<TomlReader::Entry> TomlReader::entries(const toml::table& table) con
     std::vector<Entry> entries;
     for (const auto& [key, value] : table)
         entries.push_back({std::string(key.str()), at(key.source()), &value});
-    std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    std::ranges::stable_sort(entries, [](const Entry& a, const Entry& b) {
         return std::tie(a.key_at.line, a.key_at.column) < std::tie(b.key_at.line, b.key_at.column);
     });
     return entries;
@@ -64,7 +64,7 @@ std::vector<TomlReader::Entry> TomlReader::entries(const toml::table& table) con
 void TomlReader::check_keys(const toml::table& table, std::string_view what,
                             const std::vector<std::string>& known) const {
     for (const auto& entry : entries(table))
-        if (std::find(known.begin(), known.end(), entry.key) == known.end())
+        if (std::ranges::find(known, entry.key) == known.end())
             reject(entry.key_at, "unknown key '{}' in {}; there are: {}", entry.key, what, fmt::join(known, ", "));
 }
 

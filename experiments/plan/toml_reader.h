@@ -6,11 +6,8 @@
 
 #include <toml++/toml.h>
 
-#include <initializer_list>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace gib {

@@ -2,19 +2,16 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
-#include "experiments/external/command_process.h"
+#include "experiments/external/commands.h"
 #include "experiments/measuring/cell_process.h"
-#include "experiments/program/command_line_hints.h"
+#include "experiments/plan/label_checks.h"
+#include "experiments/program/command_line_text.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
-#include "experiments/program/compare_runs.h"
-#include "experiments/program/completion.h"
-#include "experiments/program/help_format.h"
-#include "experiments/program/option_texts.h"
-#include "experiments/program/photons.h"
-#include "experiments/program/shipped_files.h"
+#include "experiments/program/named_files.h"
+#include "experiments/program/run_comparison.h"
 #include "experiments/results/result_folder.h"
-#include "experiments/run/repeat.h"
+#include "experiments/run/run_experiment.h"
 #include "experiments/slurm/status.h"
 #include "experiments/slurm/submit.h"
 #include "experiments/system/build_info.h"
@@ -43,26 +40,55 @@ constexpr const char* epsilon_help =
 /// The work of the chosen subcommand, which returns the exit code. It is set while parsing and run afterwards.
 using Action = std::function<int()>;
 
+/// An option that may be given several times, each time with one value.
+void may_be_repeated(CLI::Option* option) { option->take_all()->allow_extra_args(false); }
+
 void add_threads(CLI::App* command, int& threads) {
     command->add_option("--threads", threads, "number of threads that compute (default: one per processor)")
         ->check(CLI::Range(1, most_threads));
 }
 
-/// The options that decide how a scene file is loaded.
-void add_loading(CLI::App* command, SceneLoadOptions& loading) {
-    const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
-    command
-        ->add_option_function<std::vector<std::string>>("--set", set, "NAME=VALUE: sets a $parameter of the scene file")
-        ->take_all()
-        ->allow_extra_args(false);
-    command
-        ->add_option("-a", loading.folders,
-                     "DIR: searched for the scene's files after the scene's own folder; several are searched in turn")
-        ->take_all()
-        ->allow_extra_args(false);
-    const auto resize = [&loading](const std::string& text) { loading.resolution = resolution_in(text); };
+void add_folders(CLI::App* command, std::vector<std::string>& folders) {
+    may_be_repeated(command->add_option("-a", folders,
+                                        "DIR: searched for the scene's files after the scene's own folder; several are "
+                                        "searched in turn"));
+}
+
+void add_resolution(CLI::App* command, std::optional<std::pair<int, int>>& resolution) {
+    const auto resize = [&resolution](const std::string& text) { resolution = resolution_in(text); };
     command->add_option_function<std::string>("--resolution", resize,
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
+}
+
+/// The scene, and the options that decide how its file is loaded.
+void add_scene(CLI::App* command, std::string& scene, SceneLoadOptions& loading) {
+    command->add_option("SCENE", scene, scene_help)->required();
+    const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
+    may_be_repeated(command->add_option_function<std::vector<std::string>>(
+        "--set", set, "NAME=VALUE: sets a $parameter of the scene file"));
+    add_folders(command, loading.folders);
+    add_resolution(command, loading.resolution);
+}
+
+/// Accepts whole numbers below 2^63. Larger ones are the seeds of references, and CLI11 alone would read -1 as the
+/// largest of them.
+CLI::Validator seed_text() {
+    return CLI::Validator(
+        [](std::string& text) {
+            const auto seed = number_from<std::uint64_t>(text);
+            const bool good = seed && *seed < (std::uint64_t{1} << 63);
+            return good ? std::string() : "a seed is a whole number from 0 to 2^63 - 1, not '" + text + "'";
+        },
+        "SEED");
+}
+
+/// The options of a command that computes something of one scene.
+void add_job(CLI::App* command, SceneJob& job, const char* out_help,
+             const char* seed_help = "seed of the random numbers (default 1)") {
+    command->add_option("--seed", job.seed, seed_help)->check(seed_text());
+    add_threads(command, job.threads);
+    add_scene(command, job.scene, job.loading);
+    command->add_option("-o,--out", job.out, out_help)->required();
 }
 
 /// Who runs the cells of an experiment.
@@ -155,28 +181,12 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     });
 }
 
-/// Accepts whole numbers below 2^63. Larger ones are the seeds of references, and CLI11 alone would read -1 as the
-/// largest of them.
-CLI::Validator seed_text() {
-    return CLI::Validator(
-        [](std::string& text) {
-            const auto seed = number_from<std::uint64_t>(text);
-            const bool good = seed && *seed < (std::uint64_t{1} << 63);
-            return good ? std::string() : "a seed is a whole number from 0 to 2^63 - 1, not '" + text + "'";
-        },
-        "SEED");
-}
-
 void add_render(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
-    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method, "name and parameters of the method, such as \"path spp=64\"")
         ->required();
-    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
-    add_threads(command, options->threads);
-    add_loading(command, options->loading);
-    command->add_option("-o,--out", options->out, "the image (EXR)")->required();
+    add_job(command, *options, "the image (EXR)");
     command->add_flag(
         "--features", options->features,
         "add layers for filters: albedo, normal and depth of the first surface, mirrors and glass included");
@@ -186,8 +196,8 @@ void add_render(CLI::App& app, Action& action) {
 
 void add_reference(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReferenceOptions>();
+    options->method = auto_reference;
     CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or add samples to one");
-    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option(
         "--method", options->method,
         "name and parameters of the method, without spp (default \"auto\", which combines all unbiased methods)");
@@ -197,11 +207,8 @@ void add_reference(CLI::App& app, Action& action) {
                         "stop after the round of passes during which this time is used up, even if the target is not "
                         "reached; one round of 16 batches always completes");
     command->add_option("--epsilon", options->epsilon, epsilon_help);
-    command->add_option("--seed", options->seed, "references of different seeds are independent (default 1)")
-        ->check(seed_text());
-    add_threads(command, options->threads);
-    add_loading(command, options->loading);
-    command->add_option("-o,--out", options->out, "the reference (EXR); an existing one gets more samples")->required();
+    add_job(command, *options, "the reference (EXR); an existing one gets more samples",
+            "references of different seeds are independent (default 1)");
     command->add_flag("--replace", options->replace,
                       "replace an image at -o that is not the reference of this scene, method and size");
     perform_with(options, command, action, [](const auto& o) { return make_reference_file(o, std::cout); });
@@ -250,10 +257,9 @@ void add_plan(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
         "plan", "show which light transport a scene calls for, and what a method simulates and leaves out");
-    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
-    add_loading(command, options->loading);
+    add_scene(command, options->scene, options->loading);
     perform_with(options, command, action,
                  [](const auto& o) { return print_plan(o.scene, o.method, o.loading, std::cout); });
 }
@@ -319,7 +325,6 @@ void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
         "photons", "write a page that shows photons, irradiance records or radiosity patches in the scene in 3D");
-    command->add_option("SCENE", options->scene, scene_help)->required();
     command
         ->add_option("--method", options->method,
                      "name and parameters of a method that stores light, such as \"photon_mapper photons=1e5\", "
@@ -338,10 +343,7 @@ void add_photons(CLI::App& app, Action& action) {
     command->add_option(
         "--reference", options->reference,
         "image (EXR) of the same size, best one of `gibench reference`: a click then tells the truth, too");
-    command->add_option("--seed", options->seed, "seed of the random numbers (default 1)")->check(seed_text());
-    add_threads(command, options->threads);
-    add_loading(command, options->loading);
-    command->add_option("-o,--out", options->out, "the page (HTML)")->required();
+    add_job(command, *options, "the page (HTML)");
     perform_with(options, command, action, [](const auto& o) { return show_photons(o, std::cout); });
 }
 
@@ -358,30 +360,22 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     CLI::App* command = app.add_subcommand("tune", "search the settings of methods with the least time to an error");
     command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--target", file.target, "relative RMSE to reach (default 2%)");
-    command
-        ->add_option("--method", file.methods,
-                     "NAME or label of a method, whose given parameters stay; several may be given (default: every "
-                     "method)")
-        ->take_all()
-        ->allow_extra_args(false);
-    command
-        ->add_option("--vary", options->variations,
-                     "PARAMETER=FROM..TO or PARAMETER=A,B: what to search, besides the parameters that declare a span "
-                     "(see list methods --parameters)")
-        ->take_all()
-        ->allow_extra_args(false);
+    may_be_repeated(command->add_option(
+        "--method", file.methods,
+        "NAME or label of a method, whose given parameters stay; several may be given (default: every "
+        "method)"));
+    may_be_repeated(command->add_option(
+        "--vary", options->variations,
+        "PARAMETER=FROM..TO or PARAMETER=A,B: what to search, besides the parameters that declare a span "
+        "(see list methods --parameters)"));
     command
         ->add_option("--minutes", file.minutes,
                      "time for reference, search and final runs (default 20); no run begins later")
         ->check(CLI::PositiveNumber);
     command->add_option("--epsilon", file.head.epsilon, epsilon_help);
     command->add_option("--out", options->run.out, "folder of the results (default: results/tune-SCENE)");
-    command->add_option("-a", file.head.paths, "DIR: searched for the scene's files after the scene's own folder")
-        ->take_all()
-        ->allow_extra_args(false);
-    const auto resize = [options](const std::string& text) { options->file.head.resolution = resolution_in(text); };
-    command->add_option_function<std::string>("--resolution", resize,
-                                              "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
+    add_folders(command, file.head.paths);
+    add_resolution(command, file.head.resolution);
     add_threads(command, options->run.threads);
     perform_with(options, command, action, [](Options o) {
         for (const auto& text : o.variations)
@@ -453,7 +447,7 @@ int run_program(int argc, char** argv) {
     add_tune(app, action, command_line);
     add_completion(app, action);
     add_internal(app, action, "measure-cell", "internal: measures one cell, see cell_process.h", measure_cell);
-    add_internal(app, action, "measure-command", "internal: runs a command, see command_process.h", measure_command);
+    add_internal(app, action, "measure-command", "internal: runs a command, see commands.h", measure_command);
     take_help_as_option(argc, argv);
     return perform([&] {
         try {

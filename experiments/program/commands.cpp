@@ -7,15 +7,14 @@
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/plan/reference_methods.h"
-#include "experiments/program/overwriting.h"
-#include "experiments/program/shipped_files.h"
+#include "experiments/photons/page.h"
+#include "experiments/plan/label_checks.h"
+#include "experiments/program/named_files.h"
 #include "experiments/report/report.h"
-#include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
+#include "experiments/system/progress.h"
 #include "methods/path/lit_spots.h"
 
 #include <fmt/format.h>
@@ -25,7 +24,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 
 namespace gib {
 
@@ -56,14 +54,14 @@ std::vector<std::string> plan_lines(const ConfiguredMethod& method, const Loaded
 }
 
 bool has_line(const std::vector<std::string>& lines, const std::string& line) {
-    return std::find(lines.begin(), lines.end(), line) != lines.end();
+    return std::ranges::find(lines, line) != lines.end();
 }
 
 /// The lines that all methods have, which are printed once.
 std::vector<std::string> common_lines(const std::vector<std::vector<std::string>>& methods) {
     std::vector<std::string> common = methods.front();
     std::erase_if(common, [&](const std::string& line) {
-        return !std::all_of(methods.begin(), methods.end(), [&](const auto& lines) { return has_line(lines, line); });
+        return !std::ranges::all_of(methods, [&](const auto& lines) { return has_line(lines, line); });
     });
     return common;
 }
@@ -87,17 +85,18 @@ void warn_of(const std::vector<std::string>& warnings) {
         std::cerr << fmt::format("warning: {}\n", what);
 }
 
-/// A warning if the scene has no emitter; else empty.
-std::string darkness(const Scene& scene) {
-    return !scene.has_light() ? "nothing in the scene emits light: every image is black" : "";
+/// The warnings about a scene, also that it has no emitter.
+std::vector<std::string> warnings_of(const LoadedScene& loaded) {
+    std::vector<std::string> warnings = loaded.warnings;
+    if (!loaded.scene->has_light()) warnings.push_back("nothing in the scene emits light: every image is black");
+    return warnings;
 }
 
 /// Throws InputError if references were made but none can be read: the tables would have no rows and replace those
 /// that have. A run that has made no reference yet is accepted, because it has no tables to lose.
 void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
     const auto& scenes = analysis.index.scenes;
-    const bool had_one =
-        std::any_of(scenes.begin(), scenes.end(), [](const IndexScene& scene) { return !scene.reference.empty(); });
+    const bool had_one = std::ranges::any_of(scenes, [](const IndexScene& scene) { return !scene.reference.empty(); });
     if (had_one && analysis.references.empty())
         throw InputError(
             fmt::format("no scene of '{}' has a reference that can be read: its tables and its report "
@@ -105,14 +104,52 @@ void require_a_scene(const Analysis& analysis, const ResultFolder& folder) {
                         folder.path()));
 }
 
-}  // namespace
+void print_what_is_shown(const CollectedLight& light, std::ostream& out) {
+    for (const PhotonSubset::Map& map : light.photons)
+        out << fmt::format("{} map: {} of {} photons shown ({:.3g} %)\n", map.name, map.shown.size(), map.stored,
+                           100 * static_cast<double>(map.shown.size()) / static_cast<double>(map.stored));
+    if (!light.records.empty()) out << fmt::format("irradiance records: {}\n", light.records.size());
+    if (!light.patches.patches.empty())
+        out << fmt::format("patches: {}, corners: {}\n", light.patches.patches.size(), light.patches.corners.size());
+    if (light.passes > 0) out << fmt::format("passes: {}\n", light.passes);
+}
 
+void warn_of_what_is_not(const CollectedLight& light, const std::string& method, ProgressLine& progress) {
+    if (light.empty())
+        progress.message(fmt::format("warning: '{}' stores no light in this scene; skipped: {}", method,
+                                     fmt::join(light.skipped, ", ")));
+    for (const PhotonSubset::Map& map : light.photons)
+        if (map.not_finite > 0)
+            progress.message(
+                fmt::format("warning: {} photons of the {} map have no finite power and are shown with "
+                            "power 0",
+                            map.not_finite, map.name));
+}
+
+/// Throws InputError if the file is no image of the scene in the size of its film.
+Reference reference_of(const LoadedScene& loaded, const std::string& path) {
+    const Scene& scene = *loaded.scene;
+    Reference reference = read_reference(path);
+    const Image& image = reference.total.mean;
+    if (image.width != scene.sensor().width() || image.height != scene.sensor().height())
+        throw InputError({path},
+                         fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
+                                     "changes that",
+                                     image.width, image.height, scene.sensor().width(), scene.sensor().height()));
+    const std::string hash = attribute_in(reference.metadata, "scene_hash");
+    if (!hash.empty() && hash != loaded.content_hash)
+        throw InputError({path}, "the reference is of another scene, or of another version of it");
+    return reference;
+}
+
+/// The scene of a file or of a name, with its warnings printed.
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
     LoadedScene loaded = load_scene(scene_file(scene), loading);
-    warn_of(loaded.warnings);
-    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) warn_of({dark});
+    warn_of(warnings_of(loaded));
     return loaded;
 }
+
+}  // namespace
 
 void check_writable(const std::string& path, std::string_view extension) {
     const std::filesystem::path file(path);
@@ -222,9 +259,8 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
     else chosen.emplace_back(MethodLabel::parse(method));
     require_own_filter(chosen.front().label);
     const LoadedScene loaded = load_scene(scene_file(scene), loading);
-    for (const auto& warning : loaded.warnings)
+    for (const auto& warning : warnings_of(loaded))
         out << "warning: " << warning << "\n";
-    if (const std::string dark = darkness(*loaded.scene); !dark.empty()) out << "warning: " << dark << "\n";
     for (Effect e : effects_of(*loaded.scene).list())
         out << "called for: " << name_of(e) << "\n";
     std::vector<std::vector<std::string>> lines;
@@ -256,6 +292,43 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     });
     warn_of(damage);
     out << "Report: " << report << "\n";
+    return 0;
+}
+
+int show_photons(const PhotonsOptions& options, std::ostream& out) {
+    const ConfiguredMethod method(MethodLabel::parse(options.method));
+    require_stored_light(method.label);
+    method.values.refuse({"filter"}, "photons: no image is made");
+    check_writable(options.out, ".html");
+    const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
+    std::optional<Reference> reference;
+    if (!options.reference.empty()) reference = reference_of(scene, options.reference);
+    ProgressLine progress;
+    const StoredLightWork work{
+        .scene = scene,
+        .method = method,
+        .seed = options.seed,
+        .most_passes = options.passes.value_or(std::min(last_pass(method.values, scene.sample_count), default_passes)),
+        .most_photons = options.most_photons,
+        .listener = [&](std::string_view stage, double fraction) {
+            progress.update(fraction, std::nullopt, fmt::format("{}, {}: {}", scene.name, options.method, stage));
+        }};
+    with_threads(options.threads, [&] {
+        const CollectedLight light = collect_stored_light(work);
+        warn_of_what_is_not(light, options.method, progress);
+        const Estimates estimates = estimates_of(
+            {.scene = scene,
+             .method = method,
+             .seed = options.seed,
+             .passes = light.passes > 0 ? light.passes
+                                        : std::min(work.most_passes, options.passes.value_or(default_image_passes)),
+             .varies_k = !light.photons.empty(),
+             .observer = [&](const OngoingWork& ongoing) { work.listener(ongoing.stage, ongoing.fraction); }});
+        write_file(options.out, photons_page({scene, method.label.text(), options.seed, light, &estimates,
+                                              reference ? &*reference : nullptr}));
+        print_what_is_shown(light, out);
+    });
+    progress.message(options.out);
     return 0;
 }
 

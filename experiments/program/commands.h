@@ -1,5 +1,7 @@
 #pragma once
 // The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
+//
+// `gibench photons`: writes the page that shows the light that a method stores.
 
 #include "common/reader/scene_file.h"
 
@@ -8,32 +10,29 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace gib {
 
-struct RenderOptions {
+/// Work on one scene with one method.
+struct SceneJob {
     std::string scene;
     std::string method;  ///< label
     std::uint64_t seed = 1;
     int threads = 0;
     SceneLoadOptions loading;
     std::string out;
+};
+
+struct RenderOptions : SceneJob {
     bool features = false;  ///< adds the layers albedo, normal and depth
 };
 int render(const RenderOptions& options, std::ostream& out);
 
-struct ReferenceOptions {
-    std::string scene;
-    std::string method = "auto";
+struct ReferenceOptions : SceneJob {
     std::optional<std::string> target;
     std::optional<double> seconds;
     std::optional<double> epsilon;  ///< epsilon of the relative error [radiance^2]; none: the default (epsilon.h)
-    std::uint64_t seed = 1;
-    int threads = 0;
-    SceneLoadOptions loading;
-    std::string out;
-    bool replace = false;  ///< an image at `out` that is not the reference of this scene, method and size
+    bool replace = false;           ///< an image at `out` that is not the reference of this scene, method and size
 };
 int make_reference_file(const ReferenceOptions& options, std::ostream& out);
 
@@ -58,7 +57,18 @@ int rebuild_report(const std::string& folder, std::ostream& out);
 
 /// Throws InputError unless `path` has this extension and can be created in a folder that exists.
 void check_writable(const std::string& path, std::string_view extension = ".exr");
-/// The scene of a file or of a name, with its warnings printed.
-LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading);
+
+struct PhotonsOptions : SceneJob {
+    std::size_t most_photons = 200000;  ///< number of photons shown
+    /// Limit on passes; none: that of the label or the scene, but at most default_passes.
+    std::optional<std::uint32_t> passes;
+    std::string reference;  ///< file; empty: the page tells no truth
+};
+/// Passes of a method that stores other light in each, and of an image beside light that stays.
+inline constexpr std::uint32_t default_passes = 16, default_image_passes = 4, most_passes_shown = 255;
+inline constexpr std::size_t most_photons_shown = 5000000;
+
+/// Writes the page and prints what it shows of how much. Returns 0. Throws InputError if the method stores no light.
+int show_photons(const PhotonsOptions& options, std::ostream& out);
 
 }  // namespace gib

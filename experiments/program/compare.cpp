@@ -47,7 +47,7 @@ Json channel_means(const std::vector<Image>& images) {
         double sum = 0, count = 0;
         for (const Image& image : images) {
             for (std::size_t p = 0; p < image.pixels(); ++p)
-                sum += static_cast<double>(image.rgb[3 * p + k]);
+                sum += double{image.rgb[3 * p + k]};
             count += static_cast<double>(image.pixels());
         }
         means.push_back(number_to_json<Json>(sum / count));
@@ -123,12 +123,12 @@ void require_comparable(const std::string& path, const Image& image, const Compa
 /// content differ.
 void require_same_scene(const std::string& path, const LayeredImage& image, const CompareOptions& options,
                         const Reference& reference) {
-    const auto of_image = image.metadata.find("scene_hash"), of_reference = reference.metadata.find("scene_hash");
-    if (options.other_scene || of_image == image.metadata.end() || of_reference == reference.metadata.end()) return;
-    if (of_image->second == of_reference->second) return;
+    const std::string of_image = attribute_in(image.metadata, "scene_hash");
+    const std::string of_reference = attribute_in(reference.metadata, "scene_hash");
+    if (options.other_scene || of_image.empty() || of_reference.empty() || of_image == of_reference) return;
     const auto name = [](const auto& metadata) {
-        const auto found = metadata.find("scene");
-        return found == metadata.end() ? std::string("unknown") : found->second;
+        const std::string scene = attribute_in(metadata, "scene");
+        return scene.empty() ? "unknown" : scene;
     };
     reject({},
            "{} ('{}') and {} ('{}') are not of the same scene, or of different versions of it; --other-scene compares "
@@ -154,8 +154,8 @@ void require_consistent(const CompareOptions& options) {
 /// have no noise.
 void require_different_seeds(const std::vector<LayeredImage>& files, const std::vector<std::string>& paths) {
     const auto same = [](const LayeredImage& a, const LayeredImage& b, const char* key) {
-        const auto in_a = a.metadata.find(key), in_b = b.metadata.find(key);
-        return in_a != a.metadata.end() && in_b != b.metadata.end() && in_a->second == in_b->second;
+        const std::string in_a = attribute_in(a.metadata, key);
+        return !in_a.empty() && in_a == attribute_in(b.metadata, key);
     };
     for (std::size_t i = 0; i < files.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -228,7 +228,7 @@ void print_text(const std::string& title, const Json& json, std::ostream& out) {
 /// Whether a component holds no light in any image.
 bool is_black(const Json& values) {
     const auto is_zero = [](const Json& v) { return v.is_number() && v.get<double>() == 0; };
-    const auto all_zero = [&](const char* key) { return std::all_of(values[key].begin(), values[key].end(), is_zero); };
+    const auto all_zero = [&](const char* key) { return std::ranges::all_of(values[key], is_zero); };
     return is_zero(values["mse"]) && all_zero("mean") && all_zero("reference_mean");
 }
 
@@ -272,7 +272,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
         const std::string name(name_of(c));
         const auto has_it = [&](const LayeredImage& file) { return file.find(name) != nullptr; };
         const ReferenceLayer* layer = judgement.component(c);
-        if (!layer || !std::all_of(files.begin(), files.end(), has_it)) continue;
+        if (!layer || !std::ranges::all_of(files, has_it)) continue;
         require_finite(options.reference, name, *layer);
         subjects.emplace_back(name, Subject{{}, *layer, denominators});
         for (const LayeredImage& file : files)

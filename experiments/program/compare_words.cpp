@@ -2,10 +2,9 @@
 
 #include "common/color/srgb.h"
 #include "common/core/math.h"
-#include "experiments/analysis/error_fields.h"
-#include "experiments/metrics/block_sums.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/z_statistic.h"
-#include "experiments/results/color_maps.h"
+#include "experiments/results/pictures.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>
@@ -17,17 +16,6 @@
 namespace gib {
 
 namespace {
-
-Image mean_of(const std::vector<Image>& images) {
-    Image mean(images.front().width, images.front().height);
-    for (std::size_t i = 0; i < mean.rgb.size(); ++i) {
-        double sum = 0;
-        for (const Image& image : images)
-            sum += static_cast<double>(image.rgb[i]);
-        mean.rgb[i] = static_cast<float>(sum / static_cast<double>(images.size()));
-    }
-    return mean;
-}
 
 Image scaled(Image image, double factor) {
     for (float& value : image.rgb)
@@ -128,7 +116,7 @@ std::string comparison_sentence(const std::vector<Image>& tests, const Reference
                                 const Denominators& denominators) {
     for (const Image& test : tests)
         if (test.non_finite_values() > 0) return "values that are not finite have no error";
-    const Image mean = mean_of(tests);
+    const Image mean = mean_image(tests);
     const Brightness of_mean = brightness(mean, reference.mean, denominators.epsilon());
     const bool is_scaled = of_mean.differs();
     std::vector<Image> compared;
@@ -160,9 +148,8 @@ std::string doubts_about_image(const Image& image, const Image& other) {
         add(fmt::format("it has {} different values only, as an image of 8 bits has", levels.size()));
     // A lamp in the picture has many pixels of one value, too, but so it has in the other image.
     const float largest = *levels.rbegin();
-    const auto is_largest = std::count(image.rgb.begin(), image.rgb.end(), largest);
-    const auto is_above =
-        std::count_if(other.rgb.begin(), other.rgb.end(), [&](float value) { return value > 1.05f * largest; });
+    const auto is_largest = std::ranges::count(image.rgb, largest);
+    const auto is_above = std::ranges::count_if(other.rgb, [&](float value) { return value > 1.05f * largest; });
     if (largest > 0 && is_largest >= 4 && 2 * is_above >= is_largest)
         add(fmt::format("it is clipped at {}, where the other is brighter", short_number(double{largest})));
     if (is_grey(image) && !is_grey(other)) add("it is grey, and the other has colours");

@@ -1,7 +1,6 @@
 #pragma once
 // The differences that a person sees between two images side by side: brightness, orientation, and files that cannot hold radiance.
 
-#include "common/images/image_file.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/reference_image.h"
 

@@ -2,7 +2,6 @@
 
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
-#include "experiments/metrics/mitsuba_z_test.h"
 #include "experiments/metrics/z_statistic.h"
 #include "experiments/text/json_record.h"
 
@@ -135,8 +134,7 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
 
 /// Throws InputError unless all variances are finite and at least 0; an infinite one would accept every image.
 void require_variances(const Image& image, const std::string& path) {
-    const auto wrong =
-        std::count_if(image.rgb.begin(), image.rgb.end(), [](float v) { return !std::isfinite(v) || v < 0; });
+    const auto wrong = std::ranges::count_if(image.rgb, [](float v) { return !std::isfinite(v) || v < 0; });
     if (wrong > 0) reject({path, 0, 0}, "cannot be a variance: {} values are not finite or below 0", wrong);
 }
 

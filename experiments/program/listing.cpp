@@ -3,18 +3,15 @@
 #include "common/scene/effects.h"
 #include "experiments/plan/experiment_keys.h"
 #include "experiments/program/commands.h"
-#include "experiments/program/shipped_files.h"
+#include "experiments/program/named_files.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <ostream>
 

@@ -5,9 +5,13 @@
 // together (ranking.h). Many numbers are compared, so that each interval is wide enough for all of them to hold together
 // (Bonferroni): of two equal runs, any number is called better or worse in one of twenty comparisons at most. That is as far as
 // seeds tell. The speed of a machine differs from run to run besides, so that a change of time below `same_speed` tells nothing.
+//
+// `gibench compare-runs`: what has changed between two runs of an experiment.
 
 #include "experiments/analysis/table_row.h"
+#include "experiments/text/csv.h"
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -25,7 +29,7 @@ inline constexpr double same_speed = 1.05;
 struct Change {
     enum class Of { error, seconds };
     std::string scene, method;  ///< method: a label
-    std::string name = {};  ///< short name of the method (short_names.h), if both runs have the same; else the label
+    std::string name = {};  ///< short name of the method (method_names.h), if both runs have the same; else the label
     Of of = Of::error;
     double at = 0;  ///< of an error: the time after which it is compared [s]; of seconds: the relative RMSE
     double before = 0, after = 0;  ///< relative RMSE or seconds, means over the seeds as table.csv has them
@@ -45,5 +49,20 @@ struct RunComparison {
 /// took; an error below what one of the references resolves counts as equal to that. Times are compared where all seeds
 /// of both runs have reached an error.
 RunComparison compare_runs(const Analysis& before, const Analysis& after);
+
+struct CompareRunsOptions {
+    std::string before, after;  ///< folders of results
+    bool csv = false;
+    bool fail_if_worse = false;
+};
+
+/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]) or `seconds` (to the relative RMSE `at`);
+/// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
+CsvTable change_table(const RunComparison& comparison);
+/// The numbers of each cell in words, the remarks, and a summary.
+std::string change_text(const RunComparison& comparison);
+
+/// Prints the changes. Returns 0, or 1 with `fail_if_worse` if a number is worse or nothing is compared.
+int compare_runs(const CompareRunsOptions& options, std::ostream& out);
 
 }  // namespace gib

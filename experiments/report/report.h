@@ -11,6 +11,9 @@ namespace gib {
 /// table.md: the totals for people to read, and how good the references are.
 std::string markdown_table(const Analysis& analysis);
 
+/// Writes curves.csv, table.csv, table.md, spectra.csv, stages.csv and bias_laws.csv.
+void write_tables(const Analysis& analysis, const ResultFolder& folder);
+
 /// Returns the page. `damage`, if given, receives a message for each file that cannot be read and is left out. Throws
 /// InputError if an image that the page needs cannot be read.
 std::string report_html(const Analysis& analysis, const ResultFolder& folder,

@@ -1,12 +1,18 @@
 #include "experiments/report/report_data.h"
 
+#include "common/core/error.h"
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/curves.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
+#include "experiments/text/html.h"
+#include "experiments/text/json_record.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 namespace gib {
@@ -105,9 +111,8 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
     json sweeps = json::array();
     for (const BiasLaw& law : laws) {
         if (law.scene != scene) continue;
-        auto sweep = std::find_if(sweeps.begin(), sweeps.end(), [&](const json& s) {
-            return s["method"] == law.method && s["parameter"] == law.parameter;
-        });
+        auto sweep = std::ranges::find_if(
+            sweeps, [&](const json& s) { return s["method"] == law.method && s["parameter"] == law.parameter; });
         if (sweep == sweeps.end())
             sweep = sweeps.insert(
                 sweeps.end(),
@@ -124,6 +129,8 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
     }
     return sweeps;
 }
+
+using nlohmann::json;
 
 }  // namespace
 
@@ -147,6 +154,26 @@ json report_data(const Analysis& analysis) {
         scenes[scene] = std::move(entry);
     }
     return {{"methods", analysis.index.methods}, {"targets", target_errors}, {"scenes", std::move(scenes)}};
+}
+
+void add_tuning(const ResultFolder& folder, json& page, json& numbers) {
+    page["tuning"] = nullptr;
+    page["tuning_section"] = embedded_file("report_page/tuning.html");
+    const std::string file = folder.file("tune.json");
+    if (!std::filesystem::exists(file)) return;
+    try {
+        json tuning = numbers["tuning"] = read_json(file);
+        tuning["charts"] = json::array();
+        for (std::size_t m = 0; m < tuning.at("methods").size(); ++m) {
+            json& method = tuning["methods"][m];
+            method["best"] = tuning.at("best") == m;
+            if (!method.at("parameters").empty())
+                tuning["charts"].push_back({{"number", m}, {"base", method.at("base")}});
+        }
+        page["tuning"] = std::move(tuning);
+    } catch (const json::exception& error) {
+        throw InputError({file}, fmt::format("not the numbers of a tuning: {}", error.what()));
+    }
 }
 
 }  // namespace gib

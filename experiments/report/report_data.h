@@ -1,11 +1,12 @@
 #pragma once
 // The data of the report's charts as JSON: curves and spectra of each scene, by component.
+//
+// The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder (tuning_result.h).
 
 #include "experiments/analysis/analysis.h"
+#include "experiments/results/result_folder.h"
 
 #include <nlohmann/json.hpp>
-
-#include <string>
 
 namespace gib {
 
@@ -15,5 +16,8 @@ namespace gib {
 /// "spectra": {COMPONENT: [{"method": index, "noise": [[frequency, power], ...], "bias": ...}]}}}}.
 /// Errors are shares, not percent; lo and hi are null if there is no interval.
 nlohmann::json report_data(const Analysis& analysis);
+
+/// Adds the words to the page and the numbers of the charts to its data. Nothing, if the folder is that of no tuning.
+void add_tuning(const ResultFolder& folder, nlohmann::json& page, nlohmann::json& numbers);
 
 }  // namespace gib

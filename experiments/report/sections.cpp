@@ -1,12 +1,9 @@
 #include "experiments/report/sections.h"
 
 #include "experiments/analysis/comparison.h"
-#include "experiments/analysis/footing_warnings.h"
-#include "experiments/analysis/price.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/error_words.h"
-#include "experiments/report/field_text.h"
-#include "experiments/report/look_words.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/warnings.h"
+#include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 
 #include <fmt/format.h>

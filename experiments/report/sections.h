@@ -3,7 +3,7 @@
 // backquotes.
 
 #include "experiments/analysis/analysis.h"
-#include "experiments/report/row_columns.h"
+#include "experiments/report/tables.h"
 
 #include <string>
 #include <vector>
@@ -43,7 +43,7 @@ struct Section {
 
 /// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are left
 /// out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in
-/// `spp` alone have to be merged before (same_method.h).
+/// `spp` alone have to be merged before (method_names.h).
 std::vector<Section> sections(const Analysis& analysis);
 
 /// "12.3 (11.0 to 14.1)": a field as table.md prints it.

@@ -1,10 +1,8 @@
 #include "experiments/report/terminal.h"
 
 #include "experiments/analysis/curves.h"
-#include "experiments/analysis/same_method.h"
-#include "experiments/analysis/short_names.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
+#include "experiments/analysis/method_names.h"
+#include "experiments/report/words.h"
 
 #include <fmt/format.h>
 
@@ -73,7 +71,7 @@ std::string terminal_verdict(const Analysis& whole) {
     lines.resize(lines.size() - more);
     lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times", "its error is"});
     // One scene needs no column.
-    const bool has_scenes = std::any_of(all.begin(), all.end(), [&](const Line& l) { return l.scene != all[0].scene; });
+    const bool has_scenes = std::ranges::any_of(all, [&](const Line& l) { return l.scene != all[0].scene; });
     const std::size_t scene = has_scenes ? width_of(lines, &Line::scene, 16) + 1 : 0,
                       error = width_of(lines, &Line::error, 5), method = width_of(lines, &Line::method, 28),
                       seconds = width_of(lines, &Line::seconds, 14), factor = width_of(lines, &Line::factor, 14);

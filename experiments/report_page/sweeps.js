@@ -1,83 +1,77 @@
 // Draws bias^2, variance and mean squared error against the parameter of a sweep.
-"use strict";
-report.sweeps = (() => {
-  const {element, controls, charts, number} = report, {set} = charts;
-  const parts = {bias2: {name: "bias²", column: 1}, variance: {name: "variance", column: 4}};
+const errorParts = {bias2: {name: "bias²", column: 1}, variance: {name: "variance", column: 4}};
 
-  function partSets(points, part) {
-    const {name, column} = parts[part];
-    const color = report.color(part === "bias2" ? "--bias" : "--noise");
-    const isResolved = (p) => p[column] > 0 && !(p[column + 1] <= 0);
-    const at = (p, y) => ({x: p[0], y, low: p[column + 1], high: p[column + 2]});
-    const shown = points.filter(isResolved);
-    const band = shown.filter((p) => p[column + 1] > 0);
-    return [
-      set(name, color, shown.map((p) => at(p, p[column])), part === "variance" ? {pointStyle: "rect"} : {}),
-      ...charts.band(name, color, band.map((p) => at(p, p[column + 1])), band.map((p) => at(p, p[column + 2]))),
-      set(name, color, points.filter((p) => !isResolved(p) && p[column + 2] > 0)
-        .map((p) => ({x: p[0], y: p[column + 2], isBound: true})),
-      {showLine: false, pointBackgroundColor: "transparent", pointStyle: "triangle", pointRotation: 180}),
-    ];
+function partSets(points, part) {
+  const {name, column} = errorParts[part];
+  const color = color(part === "bias2" ? "--bias" : "--noise");
+  const isResolved = (p) => p[column] > 0 && !(p[column + 1] <= 0);
+  const at = (p, y) => ({x: p[0], y, low: p[column + 1], high: p[column + 2]});
+  const shown = points.filter(isResolved);
+  const band = shown.filter((p) => p[column + 1] > 0);
+  return [
+    pointSet(name, color, shown.map((p) => at(p, p[column])), part === "variance" ? {pointStyle: "rect"} : {}),
+    ...band(name, color, band.map((p) => at(p, p[column + 1])), band.map((p) => at(p, p[column + 2]))),
+    pointSet(name, color, points.filter((p) => !isResolved(p) && p[column + 2] > 0)
+      .map((p) => ({x: p[0], y: p[column + 2], isBound: true})),
+    {showLine: false, pointBackgroundColor: "transparent", pointStyle: "triangle", pointRotation: 180}),
+  ];
+}
+
+function sweepTip(item) {
+  const {x, y, low, high, isBound} = item.raw;
+  if (isBound) return `${item.dataset.label} below ${number(y, 3)} at ${number(x, 3)}`;
+  const interval = Number.isFinite(low) && Number.isFinite(high) ? ` (${number(low, 3)} to ${number(high, 3)})` : "";
+  return `${item.dataset.label} ${number(y, 3)}${interval} at ${number(x, 3)}`;
+}
+
+/** What the points say of the exponent, and what theory says. */
+function lawWords({points, exponent, resolved, theory}, parameter) {
+  const said = theory === null ? "" : ` Theory, where light is smooth: ${number(theory, 3)}.`;
+  if (exponent) {
+    const [p, low, high] = exponent;
+    return `bias² falls as ${parameter}^−p with p = ${number(p, 3)} (${number(low, 3)} to ${number(high, 3)}).${said}`;
   }
+  return `bias² is above 0 with its whole interval at ${resolved} of ${points.length} values; a slope needs three. More seeds, or a better reference, resolve more.${said}`;
+}
 
-  function tip(item) {
-    const {x, y, low, high, isBound} = item.raw;
-    if (isBound) return `${item.dataset.label} below ${number(y, 3)} at ${number(x, 3)}`;
-    const interval = Number.isFinite(low) && Number.isFinite(high) ? ` (${number(low, 3)} to ${number(high, 3)})` : "";
-    return `${item.dataset.label} ${number(y, 3)}${interval} at ${number(x, 3)}`;
-  }
+/** The component whose bias² is largest of those that are resolved; else the total. */
+function largestBias(components) {
+  const names = Object.keys(components);
+  const bias = (name) => Math.max(0, ...components[name].points.filter((p) => p[2] > 0).map((p) => p[1]));
+  const parts = names.filter((name) => name !== "total" && bias(name) > 0);
+  return parts.reduce((a, b) => (bias(b) > bias(a) ? b : a), parts[0] ?? names.find((name) => name === "total") ?? names[0]);
+}
 
-  /** What the points say of the exponent, and what theory says. */
-  function lawWords({points, exponent, resolved, theory}, parameter) {
-    const said = theory === null ? "" : ` Theory, where light is smooth: ${number(theory, 3)}.`;
-    if (exponent) {
-      const [p, low, high] = exponent;
-      return `bias² falls as ${parameter}^−p with p = ${number(p, 3)} (${number(low, 3)} to ${number(high, 3)}).${said}`;
-    }
-    return `bias² is above 0 with its whole interval at ${resolved} of ${points.length} values; a slope needs three. More seeds, or a better reference, resolve more.${said}`;
-  }
-
-  /** The component whose bias² is largest of those that are resolved; else the total. */
-  function largestBias(components) {
-    const names = Object.keys(components);
-    const bias = (name) => Math.max(0, ...components[name].points.filter((p) => p[2] > 0).map((p) => p[1]));
-    const parts = names.filter((name) => name !== "total" && bias(name) > 0);
-    return parts.reduce((a, b) => (bias(b) > bias(a) ? b : a), parts[0] ?? names.find((name) => name === "total") ?? names[0]);
-  }
-
-  function setUp(place, sweep) {
-    const names = Object.keys(sweep.components);
-    let shown = largestBias(sweep.components);
-    const words = element("p", {className: "muted"});
-    const box = element("div", {className: "sweep"});
-    const chosen = controls.select("Component", names, names.indexOf(shown), (i) => {
-      shown = names[i];
-      draw();
-    });
-    place.append(box);
-    const panel = new charts.Panel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
-      "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Triangles: bias² is below this.", () => ({
-        sets: [
-          ...partSets(sweep.components[shown].points, "bias2"),
-          ...partSets(sweep.components[shown].points, "variance"),
-          set("mean squared error", report.color("--muted"),
-            sweep.components[shown].points.filter((p) => p[7] > 0).map((p) => ({x: p[0], y: p[7]})),
-            charts.dashed),
-        ],
-        xAxis: () => charts.axis("logarithmic", sweep.parameter),
-        yAxis: () => charts.axis("logarithmic", "radiance²"),
-        tip,
-        words: `bias² and variance of ${shown} against ${sweep.parameter}, both logarithmic`,
-        nothing: "Bias and variance need two seeds.",
-      }));
-    box.firstChild.after(chosen.whole, words);
-    function draw() {
-      words.textContent = lawWords(sweep.components[shown], sweep.parameter);
-      panel.draw();
-    }
+function setUpSweep(place, sweep) {
+  const names = Object.keys(sweep.components);
+  let shown = largestBias(sweep.components);
+  const words = element("p", {className: "muted"});
+  const box = element("div", {className: "sweep"});
+  const chosen = select("Component", names, names.indexOf(shown), (i) => {
+    shown = names[i];
     draw();
-    report.onScheme(draw);
+  });
+  place.append(box);
+  const panel = new ChartPanel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
+    "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Triangles: bias² is below this.", () => ({
+      sets: [
+        ...partSets(sweep.components[shown].points, "bias2"),
+        ...partSets(sweep.components[shown].points, "variance"),
+        pointSet("mean squared error", color("--muted"),
+          sweep.components[shown].points.filter((p) => p[7] > 0).map((p) => ({x: p[0], y: p[7]})),
+          dashed),
+      ],
+      xAxis: () => axis("logarithmic", sweep.parameter),
+      yAxis: () => axis("logarithmic", "radiance²"),
+      tip: sweepTip,
+      words: `bias² and variance of ${shown} against ${sweep.parameter}, both logarithmic`,
+      nothing: "Bias and variance need two seeds.",
+    }));
+  box.firstChild.after(chosen.whole, words);
+  function draw() {
+    words.textContent = lawWords(sweep.components[shown], sweep.parameter);
+    panel.draw();
   }
-
-  return {setUp};
-})();
+  draw();
+  onScheme(draw);
+}

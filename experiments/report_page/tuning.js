@@ -1,95 +1,80 @@
 // Draws the charts of a tuning: time to the target over each parameter of each method.
-"use strict";
-(() => {
-  const {number} = report;
-  const data = report.data.tuning;
-  if (!data) return;
-  const {axis, line, Panel} = report.charts;
+const {tuning} = data;
 
-  /** Where an axis shows its value 0, which has no logarithm. */
-  function zeroPlace(settings, column) {
-    const positive = settings.map((s) => s.values[column]).filter((v) => v > 0);
-    return positive.length > 0 ? Math.min(...positive) / 2 : 1;
+/** Where an axis shows its value 0, which has no logarithm. */
+function zeroPlace(settings, column) {
+  const positive = settings.map((s) => s.values[column]).filter((v) => v > 0);
+  return positive.length > 0 ? Math.min(...positive) / 2 : 1;
+}
+
+/** The lower convex hull of points in the logarithms of both coordinates (Andrew 1979). */
+function lowerHull(points) {
+  const sorted = points.filter((p) => p.x > 0).sort((a, b) => a.x - b.x || a.y - b.y);
+  const turn = (a, b, c) => Math.log(b.x / a.x) * Math.log(c.y / a.y) - Math.log(b.y / a.y) * Math.log(c.x / a.x);
+  const hull = [];
+  for (const p of sorted) {
+    if (hull.length > 0 && hull.at(-1).x === p.x) continue;
+    while (hull.length > 1 && turn(hull.at(-2), hull.at(-1), p) <= 0) hull.pop();
+    hull.push(p);
   }
+  return hull;
+}
 
-  /** The place of a value on the axis of its parameter. */
-  function placeOf(parameter, column, settings) {
-    const zero = zeroPlace(settings, column);
-    return (value) => {
-      if (parameter.words) return parameter.words.indexOf(value);
-      return value === 0 ? zero : value;
-    };
-  }
-
-  /** The lower convex hull of points in the logarithms of both coordinates (Andrew 1979). */
-  function lowerHull(points) {
-    const sorted = points.filter((p) => p.x > 0).sort((a, b) => a.x - b.x || a.y - b.y);
-    const turn = (a, b, c) => Math.log(b.x / a.x) * Math.log(c.y / a.y) - Math.log(b.y / a.y) * Math.log(c.x / a.x);
-    const hull = [];
-    for (const p of sorted) {
-      if (hull.length > 0 && hull.at(-1).x === p.x) continue;
-      while (hull.length > 1 && turn(hull.at(-2), hull.at(-1), p) <= 0) hull.pop();
-      hull.push(p);
-    }
-    return hull;
-  }
-
-  function xAxis(parameter, column, settings) {
-    if (parameter.words) {
-      const made = axis("linear", parameter.name);
-      Object.assign(made, {min: -0.5, max: parameter.words.length - 0.5, afterBuildTicks: (scale) => {
-        scale.ticks = parameter.words.map((_, value) => ({value}));
-      }});
-      made.ticks.callback = (value) => parameter.words[value] ?? "";
-      return made;
-    }
-    const made = axis("logarithmic", parameter.unit ? `${parameter.name} [${parameter.unit}]` : parameter.name);
-    if (!settings.some((s) => s.values[column] === 0)) return made;
-    const zero = zeroPlace(settings, column), plain = made.ticks.callback;
-    made.min = zero / 1.3;
-    made.afterBuildTicks = (scale) => {
-      scale.ticks = [{value: zero}, ...scale.ticks.filter((tick) => tick.value > 1.5 * zero)];
-    };
-    made.ticks.callback = (value, index, ticks) => (value === zero ? "0" : plain(value, index, ticks));
+function parameterAxis(parameter, column, settings) {
+  if (parameter.words) {
+    const made = axis("linear", parameter.name);
+    Object.assign(made, {min: -0.5, max: parameter.words.length - 0.5, afterBuildTicks: (scale) => {
+      scale.ticks = parameter.words.map((_, value) => ({value}));
+    }});
+    made.ticks.callback = (value) => parameter.words[value] ?? "";
     return made;
   }
+  const made = axis("logarithmic", parameter.unit ? `${parameter.name} [${parameter.unit}]` : parameter.name);
+  if (!settings.some((s) => s.values[column] === 0)) return made;
+  const zero = zeroPlace(settings, column), plain = made.ticks.callback;
+  made.min = zero / 1.3;
+  made.afterBuildTicks = (scale) => {
+    scale.ticks = [{value: zero}, ...scale.ticks.filter((tick) => tick.value > 1.5 * zero)];
+  };
+  made.ticks.callback = (value, index, ticks) => (value === zero ? "0" : plain(value, index, ticks));
+  return made;
+}
 
-  function sets(method, column) {
-    const {settings, parameters, label} = data.methods[method];
-    const place = placeOf(parameters[column], column, settings);
-    const shown = settings.filter((s) => s.values[column] !== null && s.seconds !== null);
-    const points = (list) => list.map((s) => ({x: place(s.values[column]), y: s.seconds, setting: s}));
-    const marks = {showLine: false, pointStyle: "circle"};
-    const hull = parameters[column].words ? [] : lowerHull(points(shown.filter((s) => s.measured)));
-    return [
-      line(method, hull, {pointRadius: 0, pointHitRadius: 0, hover: false, order: 2}),
-      line(method, points(shown.filter((s) => s.measured)), marks),
-      line(method, points(shown.filter((s) => !s.measured)), {...marks, pointBackgroundColor: "transparent", borderWidth: 1}),
-      line(method, points(shown.filter((s) => s.label === label)), {...marks, pointRadius: 9, pointHoverRadius: 10, pointBackgroundColor: "transparent",
-        borderColor: report.color("--text"), borderWidth: 2}),
-    ];
-  }
+function settingSets(method, column) {
+  const {settings, parameters, label} = tuning.methods[method];
+  const {words} = parameters[column], zero = zeroPlace(settings, column);
+  const place = (value) => (words ? words.indexOf(value) : value === 0 ? zero : value);
+  const shown = settings.filter((s) => s.values[column] !== null && s.seconds !== null);
+  const points = (list) => list.map((s) => ({x: place(s.values[column]), y: s.seconds, setting: s}));
+  const marks = {showLine: false, pointStyle: "circle"};
+  const hull = words ? [] : lowerHull(points(shown.filter((s) => s.measured)));
+  return [
+    methodLine(method, hull, {pointRadius: 0, pointHitRadius: 0, hover: false, order: 2}),
+    methodLine(method, points(shown.filter((s) => s.measured)), marks),
+    methodLine(method, points(shown.filter((s) => !s.measured)), {...marks, pointBackgroundColor: "transparent", borderWidth: 1}),
+    methodLine(method, points(shown.filter((s) => s.label === label)), {...marks, pointRadius: 9, pointHoverRadius: 10, pointBackgroundColor: "transparent",
+      borderColor: color("--text"), borderWidth: 2}),
+  ];
+}
 
-  const tip = (item) => [item.raw.setting.label,
-    `${number(item.raw.y, 3)} s${item.raw.setting.measured ? "" : ", by the fitted law"}`];
+const settingTip = (item) => [item.raw.setting.label,
+  `${number(item.raw.y, 3)} s${item.raw.setting.measured ? "" : ", by the fitted law"}`];
 
-  const panels = [];
-  for (const section of document.querySelectorAll(".tuned")) {
-    const method = Number(section.dataset.method);
-    data.methods[method].parameters.forEach((parameter, column) => {
-      const box = document.createElement("div");
-      section.querySelector(".charts").append(box);
-      panels.push(new Panel(box, parameter.name, parameter.sentence, () => ({
-        sets: sets(method, column),
-        xAxis: () => xAxis(parameter, column, data.methods[method].settings),
-        yAxis: () => axis("logarithmic", `seconds to ${data.target}`),
-        tip,
-        words: `seconds to ${data.target} against ${parameter.name}`,
-        nothing: "No setting was measured.",
-      })));
-    });
-  }
-  const draw = () => panels.forEach((panel) => panel.draw());
-  draw();
-  report.onScheme(draw);
-})();
+const tuningPanels = [...document.querySelectorAll(".tuned")].flatMap((section) => {
+  const method = Number(section.dataset.method), {parameters, settings} = tuning.methods[method];
+  return parameters.map((parameter, column) => {
+    const box = element("div");
+    section.querySelector(".charts").append(box);
+    return new ChartPanel(box, parameter.name, parameter.sentence, () => ({
+      sets: settingSets(method, column),
+      xAxis: () => parameterAxis(parameter, column, settings),
+      yAxis: () => axis("logarithmic", `seconds to ${tuning.target}`),
+      tip: settingTip,
+      words: `seconds to ${tuning.target} against ${parameter.name}`,
+      nothing: "No setting was measured.",
+    }));
+  });
+});
+const drawTuning = () => tuningPanels.forEach((panel) => panel.draw());
+drawTuning();
+onScheme(drawTuning);

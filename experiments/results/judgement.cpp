@@ -11,25 +11,24 @@ void subtract(Image& from, const Image& image) {
         from.rgb[i] -= image.rgb[i];
 }
 
+/// Subtracts what both have: the mean, the groups and the bias.
+void subtract(ReferenceLayer& from, const ReferenceLayer& layer) {
+    subtract(from.mean, layer.mean);
+    for (std::size_t g = 0; g < std::min(from.groups.size(), layer.groups.size()); ++g)
+        subtract(from.groups[g], layer.groups[g]);
+    for (std::size_t b = 0; b < std::min(from.bias.size(), layer.bias.size()); ++b)
+        subtract(from.bias[b], layer.bias[b]);
+}
+
 }  // namespace
 
 Judgement::Judgement(const Reference& reference) : reference_(reference) {
     if (reference.unresolved.empty()) return;
-    empty_ = std::none_of(all_components.begin(), all_components.end(),
-                          [&](Component c) { return component(c) && !is_black(component(c)->mean); });
+    empty_ = std::ranges::none_of(all_components,
+                                  [&](Component c) { return component(c) && !is_black(component(c)->mean); });
     ReferenceLayer total = reference.total;
-    for (Component c : reference.unresolved) {
-        const auto& layer = reference[c];
-        if (!layer) continue;
-        subtract(total.mean, layer->mean);
-        for (std::size_t g = 0; g < std::min(total.groups.size(), layer->groups.size()); ++g)
-            subtract(total.groups[g], layer->groups[g]);
-        for (std::size_t b = 0; b < std::min(total.bias.size(), layer->bias.size()); ++b) {
-            subtract(total.bias[b].mean, layer->bias[b].mean);
-            for (std::size_t g = 0; g < std::min(total.bias[b].groups.size(), layer->bias[b].groups.size()); ++g)
-                subtract(total.bias[b].groups[g], layer->bias[b].groups[g]);
-        }
-    }
+    for (Component c : reference.unresolved)
+        if (const auto& layer = reference[c]) subtract(total, *layer);
     if (total.groups.size() <= 1) {
         partial_total_ = std::move(total);
         return;
@@ -42,7 +41,7 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
 }
 
 bool Judgement::is_resolved(Component c) const {
-    return std::find(reference_.unresolved.begin(), reference_.unresolved.end(), c) == reference_.unresolved.end();
+    return std::ranges::find(reference_.unresolved, c) == reference_.unresolved.end();
 }
 
 const ReferenceLayer* Judgement::component(Component c) const {
@@ -68,8 +67,7 @@ Image Judgement::total_of(const ComponentImages& image) const {
 Image Judgement::total_of(const LayeredImage& file) const {
     const ComponentImages parts = components_in(file);
     const Image* sum = file.find("");
-    const bool has_parts =
-        std::any_of(parts.parts.begin(), parts.parts.end(), [](const auto& p) { return p.has_value(); });
+    const bool has_parts = std::ranges::any_of(parts.parts, [](const auto& p) { return p.has_value(); });
     return has_parts || !sum ? total_of(parts) : *sum;
 }
 

@@ -1,9 +1,8 @@
 #include "experiments/results/manifest.h"
 
-#include "common/core/files.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/system/build_info.h"
-#include "experiments/text/json_file.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

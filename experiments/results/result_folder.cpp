@@ -4,7 +4,7 @@
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/text/json_file.h"
+#include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
@@ -53,7 +52,9 @@ static auto json_fields(RecordOf<Cell> auto& c) {
                       JsonField{"key", c.key}, JsonField{"build", c.build}, JsonField{"image", c.image},
                       JsonField{"image_file", c.image_file}, JsonField{"load_seconds", c.load_seconds},
                       JsonField{"prepare_seconds", c.prepare_seconds}, JsonField{"converged", c.converged},
-                      JsonField{"checkpoints", c.checkpoints}, JsonField{"stages", c.stages});
+                      JsonField{"checkpoints", c.checkpoints}, JsonField{"stages", c.stages}, JsonField{"cpu", c.cpu},
+                      JsonField{"processor_seconds", c.processor_seconds},
+                      JsonField{"waiting_seconds", c.waiting_seconds});
 }
 
 static auto json_fields(RecordOf<IndexScene> auto& s) {
@@ -65,7 +66,8 @@ static auto json_fields(RecordOf<IndexScene> auto& s) {
 static auto json_fields(RecordOf<ResultIndex> auto& i) {
     return std::tuple(JsonField{"title", i.title}, JsonField{"experiment", i.experiment_text},
                       JsonField{"epsilon", i.epsilon}, JsonField{"seeds", i.seeds}, JsonField{"threads", i.threads},
-                      JsonField{"scenes", i.scenes}, JsonField{"methods", i.methods}, JsonField{"cells", i.cell_keys});
+                      JsonField{"scenes", i.scenes}, JsonField{"methods", i.methods}, JsonField{"cells", i.cell_keys},
+                      JsonField{"externals", i.externals}, JsonField{"names", i.given_names});
 }
 
 std::string CellIdentity::key() const {
@@ -92,7 +94,7 @@ LeftOut ResultIndex::left_out_by(const std::string& scene, const std::string& la
 }
 
 bool ResultIndex::is_external(const std::string& label) const {
-    return std::find(externals.begin(), externals.end(), label) != externals.end();
+    return std::ranges::find(externals, label) != externals.end();
 }
 
 void ResultFolder::make(const std::string& path) {
@@ -163,8 +165,6 @@ std::string ResultFolder::method_file(const std::string& scene, const std::strin
 void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
     j["format"] = "gibench results 1";
-    j["externals"] = index.externals;
-    j["names"] = index.given_names;
     j["effects_missing"] = json::array();
     for (const auto& [cell, left_out] : index.left_out)
         j["effects_missing"].push_back({{"scene", cell.first},
@@ -181,11 +181,9 @@ ResultIndex ResultFolder::read_index() const {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
-        index.externals = j.value("externals", std::vector<std::string>());  // older folders have none
-        index.given_names = j.value("names", index.given_names);
         for (const auto& m : j.at("effects_missing"))
             index.left_out[{m.at("scene"), m.at("method")}] = {effects_named(m.at("effects")),
-                                                               Components(components_named(m.value("components", "")))};
+                                                               Components(components_named(m.at("components")))};
         return index;
     } catch (const json::exception& error) {
         reject({path}, "not an index of results: {}", error.what());
@@ -194,9 +192,6 @@ ResultIndex ResultFolder::read_index() const {
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
     json record = cell;
-    record["cpu"] = cell.cpu;
-    record["processor_seconds"] = cell.processor_seconds;
-    record["waiting_seconds"] = cell.waiting_seconds;
     record["digest"] = json_digest(record);
     write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
 }
@@ -216,9 +211,6 @@ std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, cons
         if (digest != json_digest(j)) return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key) return std::nullopt;
         auto cell = j.get<Cell>();
-        cell.cpu = j.value("cpu", "");
-        cell.processor_seconds = j.value("processor_seconds", 0.0);
-        cell.waiting_seconds = j.value("waiting_seconds", 0.0);
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");
         const std::string image = cell_image(folder_name);
         if (!std::filesystem::exists(image)) return damaged(image, "the file is missing");

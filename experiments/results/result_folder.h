@@ -52,7 +52,6 @@ struct Cell {
     bool converged = false;
     std::vector<CellCheckpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;
-    // Records of older versions do not have these.
     std::string cpu = {};          ///< name of the processor that measured it
     double processor_seconds = 0;  ///< Measurement::processor_seconds
     double waiting_seconds = 0;    ///< Measurement::waiting_seconds

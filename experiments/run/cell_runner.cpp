@@ -3,11 +3,9 @@
 #include "common/core/files.h"
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
-#include "experiments/external/command_filter.h"
-#include "experiments/external/external_cell.h"
-#include "experiments/results/flip_record.h"
-#include "experiments/results/frames.h"
+#include "experiments/external/commands.h"
 #include "experiments/results/manifest.h"
+#include "experiments/results/pictures.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 
@@ -22,24 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The work folder of a cell, which is removed with this object: on a full disk, what a failed cell left there would
-/// take the space of all others.
-class WorkFolder {
-public:
-    explicit WorkFolder(std::string path) : path_(std::move(path)) {
-        fs::remove_all(path_);
-        ResultFolder::make(path_);
-    }
+/// A folder that is removed with this object: on a full disk, what a failed cell left there would take the space of all
+/// others.
+struct WorkFolder {
+    std::string path;
     ~WorkFolder() {
         std::error_code ignored;
-        fs::remove_all(path_, ignored);
+        fs::remove_all(path, ignored);
     }
-    WorkFolder(const WorkFolder&) = delete;
-    WorkFolder& operator=(const WorkFolder&) = delete;
-    const std::string& path() const { return path_; }
-
-private:
-    std::string path_;
 };
 
 /// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its name,
@@ -93,8 +81,10 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
-    const WorkFolder work(work_folder_of(cell, folder_));
-    const Cell record = judged(cell, render(cell, work.path(), observer), work.path());
+    const WorkFolder work{work_folder_of(cell, folder_)};
+    fs::remove_all(work.path);
+    ResultFolder::make(work.path);
+    const Cell record = judged(cell, render(cell, work.path, observer), work.path);
     folder_.write_cell(cell.name, record);
     if (const NonFinite& bad = record.last().counts.non_finite; bad.count > 0)
         log_.progress.message(fmt::format(
@@ -106,42 +96,42 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
-    const std::string folder = fs::path(fs::absolute(setup_.experiment.path)).parent_path().string();
-    if (!cell.external) {
-        const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-        CellTiming timing = run_cell_process(setup_.program,
-                                             {.scene_path = scene.entry.path,
-                                              .resolution = setup_.experiment.resolution,
-                                              .folders = setup_.experiment.paths,
-                                              .scene_hash = identity.scene_hash,
-                                              .method = identity.method,
-                                              .seed = identity.seed,
-                                              .budget = identity.budget,
-                                              .threads = setup_.threads,
-                                              .features = reads("albedo") || reads("normal") || reads("depth"),
-                                              .variance = reads("variance"),
-                                              .work_folder = work_folder},
-                                             observer);
-        if (cell.filter)
-            filter_checkpoints(setup_.program,
-                               {*cell.filter, folder, setup_.threads, folder_.cell_folder(cell.name), work_folder},
-                               timing.measurement);
-        return timing;
+    const auto command_cell = [&](const ExternalMethod& method) {
+        return CommandCell{
+            .method = method,
+            .folder = fs::absolute(setup_.experiment.path).lexically_normal().parent_path().string(),
+            .width = scene.width,
+            .height = scene.height,
+            .threads = setup_.threads,
+            .cell_folder = folder_.cell_folder(cell.name),
+            .work_folder = work_folder,
+        };
+    };
+    if (cell.external) {
+        const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
+        return run_external_cell(setup_.program, command_cell(*cell.external),
+                                 {.scene_file = scene.entry.path,
+                                  .scene_text = in_povray_form ? scene.povray : "",
+                                  .seed = identity.seed,
+                                  .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
+                                  .seconds = identity.budget.seconds});
     }
-    const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
-    const ExternalCell external{.method = *cell.external,
-                                .scene_file = scene.entry.path,
-                                .scene_text = in_povray_form ? scene.povray : "",
-                                .folder = folder,
-                                .width = scene.width,
-                                .height = scene.height,
-                                .seed = identity.seed,
-                                .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
-                                .seconds = identity.budget.seconds,
-                                .threads = setup_.threads,
-                                .cell_folder = folder_.cell_folder(cell.name),
-                                .work_folder = work_folder};
-    return run_external_cell(setup_.program, external);
+    const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
+    CellTiming timing = run_cell_process(setup_.program,
+                                         {.scene_path = scene.entry.path,
+                                          .resolution = setup_.experiment.resolution,
+                                          .folders = setup_.experiment.paths,
+                                          .scene_hash = identity.scene_hash,
+                                          .method = identity.method,
+                                          .seed = identity.seed,
+                                          .budget = identity.budget,
+                                          .threads = setup_.threads,
+                                          .features = reads("albedo") || reads("normal") || reads("depth"),
+                                          .variance = reads("variance"),
+                                          .work_folder = work_folder},
+                                         observer);
+    if (cell.filter) filter_checkpoints(setup_.program, command_cell(*cell.filter), timing.measurement);
+    return timing;
 }
 
 Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const {
@@ -177,25 +167,6 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
 
 namespace {
 
-/// Estimates the seconds that cells take: those of the last one of the same scene and method.
-class CostModel {
-public:
-    void add(const CellIdentity& cell, double seconds) { known_[{cell.scene, cell.method}] = seconds; }
-    /// The seconds of the cells from number `first` to before `last`; empty if one is not known.
-    std::optional<double> of(const std::vector<const WorkCell*>& cells, std::size_t first, std::size_t last) const {
-        double all = 0;
-        for (std::size_t i = first; i < last; ++i) {
-            const auto found = known_.find({cells[i]->identity.scene, cells[i]->identity.method});
-            if (found == known_.end()) return std::nullopt;
-            all += found->second;
-        }
-        return all;
-    }
-
-private:
-    std::map<std::pair<std::string, std::string>, double> known_;
-};
-
 /// The share of a cell's work that is done, by the limit (spp, passes or seconds) that is nearest.
 double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds) {
     const auto done = static_cast<double>(passes);
@@ -209,32 +180,29 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
 
 void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
                const StopRule& stop) {
-    using clock = std::chrono::steady_clock;
-    CostModel costs;
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seconds_since = [](auto then) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+    };
     for (std::size_t i = 0; i < cells.size(); ++i) {
         if (stop.seconds_left && !(stop.seconds_left() > 0)) {
             progress.message(fmt::format("no time is left for {} cells", cells.size() - i));
             break;
         }
         const WorkCell& cell = *cells[i];
+        // Cells are taken to last as long as the mean of those before.
         const auto show = [&](std::uint32_t passes, double seconds) {
-            const double share = share_done(cell.identity, passes, seconds);
-            auto left = passes > 0 ? std::optional(seconds * (1 / share - 1)) : costs.of(cells, i, i + 1);
-            // Cells for which no time will be left do not count.
-            auto after = costs.of(cells, i + 1, cells.size());
-            if (after && stop.seconds_left)
-                after = std::min(*after, std::max(0.0, stop.seconds_left() - left.value_or(0)));
-            if (left && after) *left += *after;
-            progress.update((static_cast<double>(i) + share) / static_cast<double>(cells.size()),
-                            after ? left : std::nullopt,
+            const double done = (static_cast<double>(i) + share_done(cell.identity, passes, seconds)) /
+                                static_cast<double>(cells.size());
+            double left = seconds_since(begin) * (1 / std::max(done, 1e-9) - 1);
+            if (stop.seconds_left) left = std::min(left, std::max(0.0, stop.seconds_left()));
+            progress.update(done, done > 0 ? std::optional(left) : std::nullopt,
                             fmt::format("cell {} of {}: {}", i + 1, cells.size(), cell.text()));
         };
-        const auto start = clock::now();
+        const auto start = std::chrono::steady_clock::now();
         show(0, 0);
         runner.run(cell, show);
-        const double seconds = std::chrono::duration<double>(clock::now() - start).count();
-        costs.add(cell.identity, seconds);
-        if (stop.spent) stop.spent(cell, seconds);
+        if (stop.spent) stop.spent(cell, seconds_since(start));
     }
 }
 

@@ -3,15 +3,11 @@
 
 #include "experiments/measuring/cell_process.h"
 #include "experiments/results/judgement.h"
-#include "experiments/run/run_log.h"
 #include "experiments/run/work_list.h"
 
-#include <chrono>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace gib {

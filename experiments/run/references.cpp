@@ -1,9 +1,8 @@
 #include "experiments/run/references.h"
 
-#include "common/core/files.h"
 #include "common/core/parallel.h"
-#include "experiments/measuring/given_reference.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/measuring/reference_store.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 

@@ -4,10 +4,8 @@
 
 #include "experiments/measuring/reference.h"
 #include "experiments/results/result_folder.h"
-#include "experiments/run/run_log.h"
 #include "experiments/run/run_setup.h"
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "common/core/reject.h"
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/report.h"
-#include "experiments/report/tables.h"
 #include "experiments/report/terminal.h"
 #include "experiments/results/manifest.h"
 #include "experiments/system/interrupt.h"
@@ -121,8 +120,10 @@ void RunSession::make_references() {
 }
 
 void RunSession::forget_cells() {
-    if (const std::size_t forgotten = forget_selected(list, folder); forgotten > 0)
-        log.progress.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
+    std::size_t forgotten = 0;
+    for (const WorkCell* cell : list.selected())
+        forgotten += fs::remove(folder.cell_folder(cell->name) + "/cell.json");
+    if (forgotten > 0) log.progress.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
 void RunSession::write_index() { folder.write_index(index_of(*this)); }

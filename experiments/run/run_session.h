@@ -4,7 +4,6 @@
 
 #include "experiments/run/cell_runner.h"
 #include "experiments/run/references.h"
-#include "experiments/run/run_log.h"
 #include "experiments/run/run_setup.h"
 #include "experiments/run/work_list.h"
 #include "experiments/system/file_lock.h"
@@ -25,7 +24,8 @@ struct RunSession {
 
     /// Brings the references of all scenes with selected cells to their goals. Throws Interrupted.
     void make_references();
-    /// Forgets the selected cells, so that they are measured again.
+    /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does not take them
+    /// for fresh ones.
     void forget_cells();
 
     /// Writes the index, without which there are no tables.

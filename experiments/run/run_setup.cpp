@@ -3,7 +3,6 @@
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
 #include "experiments/external/povray_scene.h"
-#include "experiments/external/scene_places.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/progress.h"
 #include "methods/method.h"
@@ -27,7 +26,7 @@ std::string povray_form(const Experiment& experiment, const std::string& only, c
     for (const MethodLabel& label : experiment.methods)
         if (const auto* external = experiment.external(label);
             external && is_kept(only, entry.name, label.text()) && external->scene_format == SceneFormat::povray)
-            return povray_scene(loaded, scene_places(entry.path, loading_of(experiment)));
+            return povray_scene(loaded, entry.path, loading_of(experiment));
     return "";
 }
 

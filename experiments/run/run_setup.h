@@ -6,6 +6,7 @@
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/run_options.h"
 #include "experiments/results/layer.h"
+#include "experiments/system/progress.h"
 
 #include <map>
 #include <optional>
@@ -14,6 +15,26 @@
 #include <vector>
 
 namespace gib {
+
+/// The sayings of a run while it works: its line of progress, and what has failed.
+struct RunLog {
+    struct Failure {
+        std::string of;  ///< cell or reference
+        std::string message;
+
+        std::string text() const { return of + ": " + message; }
+    };
+
+    ProgressLine progress;
+    std::vector<Failure> failures;
+
+    void fail(const std::string& of, const std::string& message) {
+        failures.push_back({of, message});
+        progress.message("failed: " + failures.back().text());
+    }
+    /// Says all failures again at the end of a run, and returns its exit code.
+    int exit_code() const;
+};
 
 struct RunScene {
     ExperimentScene entry;

@@ -74,8 +74,7 @@ void WorkList::use(const References& references) {
 }
 
 bool WorkList::has(std::size_t scene) const {
-    return std::any_of(cells_.begin(), cells_.end(),
-                       [&](const WorkCell& cell) { return cell.is_selected && cell.scene == scene; });
+    return std::ranges::any_of(cells_, [&](const WorkCell& cell) { return cell.is_selected && cell.scene == scene; });
 }
 
 std::vector<const WorkCell*> WorkList::selected() const {
@@ -113,13 +112,6 @@ std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolde
                                 .image = stored->image.empty() ? image_digest(read_image(folder.cell_image(cell.name)))
                                                                : stored->image});
     return complete;
-}
-
-std::size_t forget_selected(const WorkList& list, const ResultFolder& folder) {
-    std::size_t forgotten = 0;
-    for (const WorkCell* cell : list.selected())
-        forgotten += std::filesystem::remove(folder.cell_folder(cell->name) + "/cell.json");
-    return forgotten;
 }
 
 }  // namespace gib

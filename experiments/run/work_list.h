@@ -65,8 +65,4 @@ private:
 /// All complete cells, selected or not.
 std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolder& folder);
 
-/// Deletes the records of the selected cells at once, so that a run which continues after an interruption does not take
-/// them for fresh ones. Returns their number.
-std::size_t forget_selected(const WorkList& list, const ResultFolder& folder);
-
 }  // namespace gib

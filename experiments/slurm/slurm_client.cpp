@@ -2,13 +2,12 @@
 
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
-#include "experiments/slurm/log_pattern.h"
 #include "experiments/system/child_process.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
 #include <unistd.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -130,6 +129,16 @@ void forget_own_job() {
     }
     for (const std::string& name : names)
         ::unsetenv(name.c_str());
+}
+
+std::string log_pattern(const std::string& path) {
+    std::string pattern;
+    for (const char c : path) {
+        if (c == '\\') reject({path, 0, 0}, "Slurm writes no logs to a path with a backslash");
+        if (c == '%') pattern += '%';
+        pattern += c;
+    }
+    return pattern;
 }
 
 }  // namespace gib

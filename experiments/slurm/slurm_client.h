@@ -1,5 +1,7 @@
 #pragma once
 // The commands of Slurm that gibench calls: sbatch, squeue and scontrol. Slurm alone decides when and where a job runs.
+//
+// Paths in the options of sbatch that take patterns.
 
 #include <cstddef>
 #include <cstdint>
@@ -46,5 +48,9 @@ std::uint64_t own_job();
 /// Removes what Slurm has told this process about its own job from the environment, because sbatch and srun would take it
 /// for options of the next one.
 void forget_own_job();
+
+/// A path as sbatch's --output takes it, where % begins a replacement symbol and %% stands for %. Throws InputError for a
+/// backslash, which would switch off all replacement symbols of the pattern (sbatch(1), "filename pattern").
+std::string log_pattern(const std::string& path);
 
 }  // namespace gib

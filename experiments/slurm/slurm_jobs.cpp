@@ -2,7 +2,6 @@
 
 #include "common/core/error.h"
 #include "common/core/files.h"
-#include "experiments/text/json_file.h"
 #include "experiments/text/json_record.h"
 
 #include <fmt/format.h>

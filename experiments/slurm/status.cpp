@@ -12,7 +12,6 @@
 #include <array>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 #include <ostream>
 #include <set>
 
@@ -64,7 +63,7 @@ State state_of(const ResultFolder& folder, const std::string& name, const Result
 std::string tasks_without_a_trace(const JobFolder& folder, std::set<std::string> missing) {
     std::string text;
     std::vector<SubmittedJob> jobs = folder.read();
-    std::reverse(jobs.begin(), jobs.end());
+    std::ranges::reverse(jobs);
     for (const SubmittedJob& job : jobs) {
         std::set<std::size_t> silent;
         for (std::size_t i = 0; i < job.cells.size(); ++i)

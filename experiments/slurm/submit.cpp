@@ -144,8 +144,8 @@ bool is_same(const PlannedBatch& a, const PlannedBatch& b) {
 
 /// Throws RunError if batches that tasks were to make are still missing: the tasks have failed or were cancelled.
 void require_made(const std::vector<PlannedBatch>& made, const std::vector<PlannedBatch>& missing) {
-    const auto lost = std::count_if(made.begin(), made.end(), [&](const PlannedBatch& batch) {
-        return std::any_of(missing.begin(), missing.end(), [&](const PlannedBatch& m) { return is_same(batch, m); });
+    const auto lost = std::ranges::count_if(made, [&](const PlannedBatch& batch) {
+        return std::ranges::any_of(missing, [&](const PlannedBatch& m) { return is_same(batch, m); });
     });
     if (lost > 0)
         throw RunError(

@@ -1,8 +1,6 @@
 #pragma once
 // Runs another program: starts it, reads its output, and stops it when the user asks for that.
 
-#include "common/core/error.h"
-
 #include <functional>
 #include <string>
 #include <vector>

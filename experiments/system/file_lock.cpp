@@ -47,7 +47,7 @@ std::string lock_owner(const std::string& path) {
     try {
         const std::string text = read_file(path);
         const std::string pid = text.substr(0, text.find('\n'));
-        if (!pid.empty() && std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; }))
+        if (!pid.empty() && std::ranges::all_of(pid, [](char c) { return c >= '0' && c <= '9'; }))
             return "process " + pid;
     } catch (const InputError&) {
         // The owner has ended and has removed the file.

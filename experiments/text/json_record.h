@@ -1,12 +1,16 @@
 #pragma once
 // Records as JSON objects: a struct lists its members once, and is written and read by that list.
+//
+// Reads JSON files that gibench wrote and that may have been damaged since.
 
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <cmath>
 #include <concepts>
 #include <limits>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <type_traits>
 
@@ -48,6 +52,13 @@ void read_json_field(const nlohmann::json& j, const JsonField<T>& field) {
     if constexpr (std::is_same_v<T, double>) field.value = number_from_json(j.at(field.name));
     else j.at(field.name).get_to(field.value);
 }
+
+/// The file's content. Throws nlohmann::json::parse_error if it is not JSON, InputError if it cannot be read.
+nlohmann::json read_json(const std::string& path);
+
+/// SHA-1 of a record's text. The text is the same for a record that was written and read again, because numbers are
+/// read exactly and keys are sorted.
+std::string json_digest(const nlohmann::json& record);
 
 }  // namespace gib
 

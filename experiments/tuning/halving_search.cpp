@@ -60,8 +60,7 @@ private:
             if (times[i]->is_measured) best_measured_ = std::min(best_measured_, times[i]->seconds);
             std::erase_if(done_, [&](const Trial& t) { return t.setting == settings[i]; });
         }
-        std::stable_sort(result.begin(), result.end(),
-                         [](const Trial& a, const Trial& b) { return a.time.cost() < b.time.cost(); });
+        std::ranges::stable_sort(result, {}, [](const Trial& t) { return t.time.cost(); });
         done_.insert(done_.begin(), result.begin(), result.end());
         budgets_ += budget * static_cast<double>(result.size());
         runs_ += result.size();
@@ -70,9 +69,7 @@ private:
 
     /// The same for those that are new; none if there is no time for all of them.
     std::vector<Trial> new_trials(std::vector<Setting> settings) {
-        std::erase_if(settings, [&](const Setting& s) {
-            return std::any_of(done_.begin(), done_.end(), [&](const Trial& t) { return t.setting == s; });
-        });
+        std::erase_if(settings, [&](const Setting& s) { return std::ranges::count(done_, s, &Trial::setting) > 0; });
         return settings.empty() || !has_time_for(settings.size(), 1) ? std::vector<Trial>() : trials(settings);
     }
 

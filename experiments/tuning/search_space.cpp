@@ -6,6 +6,7 @@
 #include "methods/method.h"
 
 #include <fmt/format.h>
+#include <boost/algorithm/string/split.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -20,59 +21,38 @@ static_assert(most_axes <= sobol_dimensions);
 /// The share of the cover that has a default which lies apart from its span.
 constexpr double share_of_default = 0.25;
 
-bool sets(const MethodLabel& label, const std::string& parameter) {
-    return std::any_of(label.values.begin(), label.values.end(), [&](const auto& v) { return v.first == parameter; });
-}
-
-bool is_number(const Parameter& parameter) {
-    return parameter.kind == Parameter::Kind::number || parameter.kind == Parameter::Kind::integer;
-}
-
-/// The name by which a message calls the source of a variation.
-const char* source_of(const Variation& variation) { return variation.where.file.empty() ? "--vary" : "vary"; }
-
-/// The default among the words, or as a number.
-std::optional<double> initial_of(const Parameter& parameter, const std::vector<std::string>& words) {
-    if (words.empty()) return number_from<double>(parameter.default_value);
-    const auto place = std::find(words.begin(), words.end(), parameter.default_value);
-    return place == words.end() ? std::nullopt : std::optional(static_cast<double>(place - words.begin()));
-}
-
-TuningAxis declared_axis(const Parameter& parameter) {
+/// The axis of a parameter, with the values that were asked for, if any were.
+TuningAxis axis_of(const Parameter& parameter, const Variation* asked) {
+    const bool is_number = parameter.kind == Parameter::Kind::number || parameter.kind == Parameter::Kind::integer;
     TuningAxis axis{.name = parameter.name,
+                    .span = parameter.tuning.value_or(TuningSpan{0, 0}),
                     .least = parameter.lower,
                     .most = parameter.upper,
                     .is_whole = parameter.kind == Parameter::Kind::integer};
-    if (!parameter.tuning) return axis;
-    axis.span = *parameter.tuning;
-    if (is_number(parameter)) return axis;
-    const auto begin = parameter.choices.begin();
-    axis.words.assign(begin + static_cast<int>(axis.span.lower), begin + static_cast<int>(axis.span.upper) + 1);
-    return axis;
-}
-
-/// The axis with the values that were asked for.
-TuningAxis asked_axis(const Parameter& parameter, const Variation& variation) {
-    TuningAxis axis = declared_axis(parameter);
-    axis.words = variation.words;
-    if (!axis.words.empty()) return axis;
-    if (!is_number(parameter))
-        reject(variation.where, "{}: '{}' has no range; list its values, as in {}=A,B", source_of(variation),
-               parameter.name, parameter.name);
-    if (variation.lower < parameter.lower || variation.upper > parameter.upper)
-        reject(variation.where, "{}: '{}' has to lie in {}", source_of(variation), parameter.name, range_of(parameter));
-    axis.span.lower = variation.lower;
-    axis.span.upper = variation.upper;
-    // A factor cannot lead to 0.
-    axis.span.is_logarithmic = axis.span.is_logarithmic && variation.lower > 0;
-    return axis;
-}
-
-TuningAxis axis_of(const Parameter& parameter, const Variation* variation) {
-    TuningAxis axis = variation ? asked_axis(parameter, *variation) : declared_axis(parameter);
-    axis.initial = initial_of(parameter, axis.words);
-    axis.has_default_apart = !variation && axis.words.empty() && axis.initial &&
-                             (*axis.initial < axis.span.lower || *axis.initial > axis.span.upper);
+    if (asked) {
+        axis.words = asked->words;
+    } else if (!is_number) {
+        const auto begin = parameter.choices.begin();
+        axis.words.assign(begin + static_cast<int>(axis.span.lower), begin + static_cast<int>(axis.span.upper) + 1);
+    }
+    if (!axis.words.empty()) {
+        const auto place = std::ranges::find(axis.words, parameter.default_value);
+        if (place != axis.words.end()) axis.initial = static_cast<double>(place - axis.words.begin());
+        return axis;
+    }
+    axis.initial = number_from<double>(parameter.default_value);
+    if (!asked) {
+        axis.has_default_apart = axis.initial && (*axis.initial < axis.span.lower || *axis.initial > axis.span.upper);
+        return axis;
+    }
+    if (!is_number)
+        reject(asked->where, "{}: '{}' has no range; list its values, as in {}=A,B", asked->source(), parameter.name,
+               parameter.name);
+    if (asked->lower < parameter.lower || asked->upper > parameter.upper)
+        reject(asked->where, "{}: '{}' has to lie in {}", asked->source(), parameter.name, range_of(parameter));
+    axis.span.lower = asked->lower;
+    axis.span.upper = asked->upper;
+    axis.span.is_logarithmic = axis.span.is_logarithmic && asked->lower > 0;  // a factor cannot lead to 0
     return axis;
 }
 
@@ -127,13 +107,13 @@ double TuningAxis::at(double share) const {
 }
 
 Variation parse_variation(const std::string& text, const SourceLocation& where) {
+    const std::size_t equals = std::min(text.find('='), text.size());
+    Variation variation{.parameter = text.substr(0, equals), .where = where};
     const auto wrong = [&] {
         reject(where, "{} needs a range such as photons=1e4..1e7 or a list such as cache=on,off, not '{}'",
                where.file.empty() ? "--vary" : "'vary'", text);
     };
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) wrong();
-    Variation variation{.parameter = text.substr(0, equals), .where = where};
+    if (equals == 0 || equals + 1 >= text.size()) wrong();
     const std::string values = text.substr(equals + 1);
     if (const std::size_t dots = values.find(".."); dots != std::string::npos) {
         const auto lower = number_from<double>(values.substr(0, dots));
@@ -143,24 +123,21 @@ Variation parse_variation(const std::string& text, const SourceLocation& where) 
         variation.upper = *upper;
         return variation;
     }
-    for (std::size_t begin = 0; begin <= values.size();) {
-        const std::size_t end = std::min(values.find(',', begin), values.size());
-        if (end == begin) wrong();
-        variation.words.push_back(values.substr(begin, end - begin));
-        begin = end + 1;
-    }
+    boost::split(variation.words, values, [](char c) { return c == ','; });
+    if (std::ranges::count(variation.words, "") > 0) wrong();
     return variation;
 }
 
 std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<Variation>& variations) {
     std::vector<TuningAxis> axes;
     for (const Parameter& parameter : find_method(base.name).parameters) {
-        const auto asked = std::find_if(variations.begin(), variations.end(),
-                                        [&](const Variation& v) { return v.parameter == parameter.name; });
+        const auto asked =
+            std::ranges::find_if(variations, [&](const Variation& v) { return v.parameter == parameter.name; });
         const Variation* variation = asked == variations.end() ? nullptr : &*asked;
-        const bool is_set = sets(base, parameter.name);
+        const bool is_set =
+            std::ranges::count(base.values, parameter.name, &std::pair<std::string, std::string>::first) > 0;
         if (variation && is_set)
-            reject(variation->where, "{}: '{}' is set by the method '{}'", source_of(*variation), parameter.name,
+            reject(variation->where, "{}: '{}' is set by the method '{}'", variation->source(), parameter.name,
                    base.text());
         if ((variation || parameter.tuning) && !is_set) axes.push_back(axis_of(parameter, variation));
     }
@@ -203,7 +180,7 @@ std::vector<Setting> SearchSpace::cover(int count) const {
         for (std::size_t d = 0; d < axes_.size(); ++d)
             setting.push_back(axes_[d].at(point.get_1d(static_cast<std::uint32_t>(d))));
         setting = normal(setting);
-        if (std::find(settings.begin(), settings.end(), setting) == settings.end()) settings.push_back(setting);
+        if (std::ranges::find(settings, setting) == settings.end()) settings.push_back(setting);
     }
     return settings;
 }

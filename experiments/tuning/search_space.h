@@ -36,6 +36,8 @@ struct Variation {
     double lower = 0, upper = 0;
     std::vector<std::string> words = {};  ///< values instead of a range; empty: there is a range
     SourceLocation where = {};            ///< place in an experiment file
+    /// The name by which a message calls what asks for it.
+    const char* source() const { return where.file.empty() ? "--vary" : "vary"; }
 };
 /// Throws InputError at `where` for a text that is neither.
 Variation parse_variation(const std::string& text, const SourceLocation& where = {});

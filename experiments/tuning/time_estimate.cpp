@@ -1,13 +1,14 @@
 #include "experiments/tuning/time_estimate.h"
 
 #include "common/core/math.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/price_law.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/metrics/time_to_error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 namespace gib {
 
@@ -16,15 +17,7 @@ namespace {
 constexpr double widest_interval = 30;          // ratio of the ends of an interval that is printed
 constexpr double farthest_extrapolation = 100;  // times the longest run
 
-/// The curve over time, or over passes.
-std::vector<CurvePoint> curve_of(const Cell& cell, bool over_passes = false) {
-    std::vector<CurvePoint> curve;
-    for (const auto& [checkpoint, errors] : cell.checkpoints)
-        if (const auto total = errors.find(Layer::total); total != errors.end())
-            curve.push_back({over_passes ? static_cast<double>(checkpoint.passes) : checkpoint.seconds,
-                             std::sqrt(std::max(total->second.rel_mse_corrected, 0.0))});
-    return curve;
-}
+std::vector<CurvePoint> curve_of(const Cell& cell) { return error_curves({&cell}, Layer::total).front(); }
 
 std::vector<ErrorPoint> squared(const std::vector<CurvePoint>& curve) {
     std::vector<ErrorPoint> points;
@@ -33,18 +26,16 @@ std::vector<ErrorPoint> squared(const std::vector<CurvePoint>& curve) {
     return points;
 }
 
-/// The law of independent samples through the last point of a run.
-ErrorLaw law_through_end(const Cell& cell, const CurvePoint& last) {
-    return {.factor = sqr(last.error) * (last.seconds - cell.prepare_seconds), .start = cell.prepare_seconds};
-}
-
-/// The law of a run that has not reached the target.
+/// The law of a run that has not reached the target. With fewer points than a law needs, that of independent samples.
 ErrorLaw law_of(const Cell& cell, const std::vector<CurvePoint>& curve) {
-    if (cell.converged) return {.floor = sqr(curve.back().error)};
+    const double error2 = sqr(curve.back().error);
+    if (cell.converged) return {.floor = error2};
     const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
-    return price ? price->law : law_through_end(cell, curve.back());
+    if (price) return price->law;
+    return {.factor = error2 * (curve.back().seconds - cell.prepare_seconds), .start = cell.prepare_seconds};
 }
 
+/// The mean of the values with its 95 % interval.
 Estimate with_interval_of(const std::vector<double>& values) {
     const SampleMean mean = sample_mean(values);
     if (values.size() < 2) return {mean.value, std::nullopt};
@@ -63,44 +54,29 @@ double mean_over(const std::vector<Cell>& cells, const std::function<double(cons
     return sum / static_cast<double>(cells.size());
 }
 
-/// The runs of an unbiased method that have not all reached the target: each one's time by its law without a floor.
-Estimate time_without_floor(const std::vector<Cell>& cells, double target) {
-    std::vector<double> logs;
-    for (const Cell& cell : cells) {
-        const auto curve = curve_of(cell);
-        const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
-        const auto crossing = time_to_error({curve}, target);
-        const ErrorLaw law = price ? price->floorless : law_through_end(cell, curve.back());
-        logs.push_back(std::log(crossing ? crossing->value : law.seconds_to(sqr(target)).value_or(infinity)));
+/// The time to a target that not all runs have reached, by the law of all of them (`told`), else by that of each. It lies beyond
+/// every run that has not reached the target: a law that says less is contradicted by that run. It has an upper end only if the
+/// law tells it, or if there is no floor; one run tells none, nor does an interval that is too wide to say anything, nor a time far
+/// beyond the runs.
+Estimate extrapolated(const std::vector<Cell>& cells, const std::optional<Extrapolation>& told, double target,
+                      bool is_unbiased) {
+    Estimate time{told ? told->seconds : 0, told ? told->interval : std::nullopt};
+    if (!told) {
+        std::vector<double> logs;
+        for (const Cell& cell : cells)
+            logs.push_back(std::log(estimated_time(cell, target).seconds));
+        time = mapped(with_interval_of(logs), std::exp);
     }
-    return mapped(with_interval_of(logs), std::exp);
-}
-
-/// The same for a method that may have a floor: from the time without one to that with the highest floor that the runs allow.
-Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<PriceLaw>& price, double target) {
-    const double without = time_without_floor(cells, target).value;
-    if (!price) return {without, Interval{without, infinity}};
-    const double least = std::min(without, price->floorless.seconds_to(sqr(target)).value_or(without));
-    ErrorLaw worst = price->law;
-    worst.floor = price->floor.interval ? price->floor.interval->hi : infinity;
-    const double most = worst.seconds_to(sqr(target)).value_or(infinity);
-    const double likely = price->law.seconds_to(sqr(target)).value_or(least);
-    return {likely, Interval{std::min(least, likely), std::max(most, likely)}};
-}
-
-/// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
-/// contradicted by that run, and tells no upper end. One run tells none either, nor does an interval that is too wide to say
-/// anything, nor a time far beyond the runs.
-Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
     double longest = 0;
     for (const Cell& cell : cells)
         if (!(curve_of(cell).back().error <= target)) longest = std::max(longest, cell.last().seconds);
     const double farthest = farthest_extrapolation * longest;
-    const double lo = std::clamp(seconds.interval ? seconds.interval->lo : 0, longest, farthest);
-    if (!(seconds.value > longest)) return {longest, Interval{longest, infinity}};
-    if (seconds.value > farthest) return {lo, Interval{lo, infinity}};
-    const double hi = seconds.interval ? seconds.interval->hi : infinity;
-    return {seconds.value, Interval{lo, hi > widest_interval * lo ? infinity : std::max(hi, lo)}};
+    if (!(time.value > longest)) return {longest, Interval{longest, infinity}};
+    const double lo = std::clamp(time.interval ? time.interval->lo : told ? time.value : 0, longest, farthest);
+    if (time.value > farthest) return {lo, Interval{lo, infinity}};
+    const bool has_end = time.interval && (told || is_unbiased);
+    const bool is_wide = !has_end || time.interval->hi > widest_interval * lo;
+    return {time.value, Interval{lo, is_wide ? infinity : std::max(time.interval->hi, lo)}};
 }
 
 /// The passes of a run after so many seconds at the pace of its last image.
@@ -110,6 +86,14 @@ std::uint32_t passes_after(const std::vector<Cell>& cells, double seconds) {
         return pace * (seconds - cell.prepare_seconds);
     });
     return static_cast<std::uint32_t>(std::ceil(std::clamp(passes, 1.0, 1e9) - 1e-9));
+}
+
+/// The places of the values from the least to the largest.
+std::vector<std::size_t> order_of(const std::vector<double>& values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
+    return order;
 }
 
 }  // namespace
@@ -126,45 +110,81 @@ TimeEstimate estimated_time(const Cell& cell, double target, double horizon) {
 }
 
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased) {
-    std::vector<std::vector<CurvePoint>> curves, over_passes;
+    Runs runs;
+    for (const Cell& cell : cells)
+        runs.push_back(&cell);
+    const auto curves = error_curves(runs, Layer::total);
+    if (curves.empty() || std::ranges::any_of(curves, [](const auto& curve) { return curve.empty(); })) return {};
+    Verdict verdict{.runs = cells.size(), .seconds_of_error = mean_seconds(runs)};
     std::vector<std::vector<ErrorPoint>> points;
     std::vector<double> errors;
-    for (const Cell& cell : cells) {
-        curves.push_back(curve_of(cell));
-        if (curves.back().empty()) return {};
-        over_passes.push_back(curve_of(cell, true));
-        points.push_back(squared(curves.back()));
-        errors.push_back(curves.back().back().error);
+    for (const auto& curve : curves) {
+        points.push_back(squared(curve));
+        errors.push_back(curve.back().error);
     }
-    Verdict verdict{.runs = cells.size()};
+    verdict.error = sample_mean(errors).value;
     verdict.reached = static_cast<std::size_t>(
-        std::count_if(curves.begin(), curves.end(), [&](const auto& curve) { return crossing_time(curve, target); }));
-    if (cells.empty()) return verdict;
-    verdict.error = mean_over(cells, [&](const Cell& cell) { return curve_of(cell).back().error; });
-    verdict.seconds_of_error = mean_over(cells, [](const Cell& cell) { return cell.last().seconds; });
+        std::ranges::count_if(curves, [&](const auto& curve) { return crossing_time(curve, target).has_value(); }));
     if (const auto time = time_to_error(curves, target)) {
         verdict.state = Verdict::measured;
         verdict.seconds = *time;
+        auto over_passes = curves;
+        for (std::size_t run = 0; run < cells.size(); ++run) {
+            verdict.log_times.push_back(std::log(crossing_time(curves[run], target).value()));
+            for (std::size_t i = 0; i < curves[run].size(); ++i)
+                over_passes[run][i].seconds = cells[run].checkpoints[i].checkpoint.passes;
+        }
         verdict.passes = static_cast<std::uint32_t>(std::ceil(time_to_error(over_passes, target)->value - 1e-9));
-        for (const auto& curve : curves)
-            verdict.log_times.push_back(std::log(time_to_error({curve}, target)->value));
         return verdict;
     }
     verdict.passes = passes_after(cells, verdict.seconds_of_error);
-    const bool converged = verdict.error > target &&
-                           std::all_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.converged; });
+    const bool converged = verdict.error > target && have_converged(runs);
     const auto price = fit_price_law(points, mean_over(cells, [](const Cell& cell) { return cell.prepare_seconds; }));
-    const bool has_floor = !is_unbiased && price && price->floor.interval && price->floor.interval->lo > sqr(target);
-    if (converged || has_floor) {
+    const auto told = price ? price->extrapolate(sqr(target), is_unbiased) : std::nullopt;
+    if (converged || (told && told->kind == Extrapolation::Kind::never)) {
         verdict.state = Verdict::not_reachable;
         verdict.floor = converged ? with_interval_of(errors) : mapped(price->floor, std::sqrt);
         return verdict;
     }
     verdict.state = Verdict::extrapolated;
-    verdict.seconds = beyond_runs(
-        is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
+    verdict.seconds = extrapolated(cells, told, target, is_unbiased);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
+}
+
+std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides) {
+    constexpr double least = 0.01;  // [s]; one pass always completes
+    std::vector<double> shares(wanted.size());
+    std::size_t left = wanted.size();
+    for (const std::size_t i : order_of(wanted)) {
+        const double even = seconds / static_cast<double>(left--) - besides;
+        shares[i] = std::max(least, std::min(wanted[i], even));
+        seconds -= shares[i] + besides;
+    }
+    return shares;
+}
+
+std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
+                                      double seconds, double besides) {
+    constexpr double most_for_one = 0.8;
+    std::size_t promising = 2, left = wanted.size();
+    std::vector<double> shares(wanted.size()), wanted_by_others;
+    std::vector<std::size_t> others;
+    for (const std::size_t i : order_of(needed)) {
+        const double most = most_for_one * (seconds - besides * static_cast<double>(left--));
+        if (promising > 0 && needed[i] <= most) {
+            shares[i] = std::clamp(wanted[i], needed[i], most);
+            seconds -= shares[i] + besides;
+            --promising;
+        } else {
+            others.push_back(i);
+            wanted_by_others.push_back(wanted[i]);
+        }
+    }
+    const auto rest = shared_seconds(wanted_by_others, seconds, besides);
+    for (std::size_t n = 0; n < others.size(); ++n)
+        shares[others[n]] = rest[n];
+    return shares;
 }
 
 }  // namespace gib

@@ -1,5 +1,6 @@
 #pragma once
-// The time to an error from the checkpoints of cells: of one short run, for the search, and of all final runs of a setting.
+// The times of a tuning: to an error, from the checkpoints of one short run, for the search, and of all final runs of a setting;
+// and how the time that the search leaves is divided among the final runs.
 
 #include "experiments/results/result_folder.h"
 #include "experiments/tuning/halving_search.h"
@@ -7,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 namespace gib {
@@ -41,5 +41,13 @@ struct Verdict {
 /// `is_unbiased`: the floor is known to be 0. Else times that were not measured have an upper end only where the law's
 /// floor is known to lie below the target.
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
+
+/// Seconds for each of several runs, of which run i wants `wanted[i]`, so that together they take at most `seconds`, with
+/// `besides` more for each: what they want, or an even share of what those that want less leave.
+std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides);
+/// The same for runs that need `needed[i]` at most for what they are made for; infinite: unknown. The two that need least have it
+/// first, one and then another, if it is no more than four fifths of the time that is left; the others share the rest. Two, because the first may fail: what a few seeds have reached is missed by another one where noise is rare and bright.
+std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
+                                      double seconds, double besides);
 
 }  // namespace gib

@@ -6,7 +6,6 @@
 #include "experiments/metrics/epsilon.h"
 #include "experiments/run/run_experiment.h"
 #include "experiments/system/interrupt.h"
-#include "experiments/tuning/final_budgets.h"
 #include "experiments/tuning/tuning_result.h"
 #include "experiments/tuning/tuning_runs.h"
 #include "methods/method.h"
@@ -20,7 +19,6 @@
 #include <map>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 namespace gib {
 
@@ -65,8 +63,8 @@ std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
     }
     for (const Variation& variation : variations)
         if (parameters.count(variation.parameter) == 0)
-            reject(variation.where, "{}: no method here has a parameter '{}'{} There are: {}",
-                   variation.where.file.empty() ? "--vary" : "vary", variation.parameter,
+            reject(variation.where, "{}: no method here has a parameter '{}'{} There are: {}", variation.source(),
+                   variation.parameter,
                    did_you_mean_or_stop(variation.parameter, {parameters.begin(), parameters.end()}),
                    fmt::join(parameters, ", "));
     return spaces;
@@ -185,14 +183,12 @@ private:
                                           .budget = ample * trials[i].time.cost(),
                                           .needed = trials[i].time.seconds});
         }
-        const auto is_cheaper = [](const FinalSetting& a, const FinalSetting& b) { return a.budget < b.budget; };
-        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
             if (candidates.size() > 1) estimate(candidate);
-        std::stable_sort(candidates.begin(), candidates.end(), is_cheaper);
+        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (const FinalSetting& candidate : candidates)
-            if (std::none_of(result_.finals.begin(), result_.finals.end(),
-                             [&](const FinalSetting& f) { return f.method == candidate.method; }))
+            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0)
                 result_.finals.push_back(candidate);
     }
 
@@ -252,21 +248,23 @@ private:
         }
         runs_.begin_experiment(labels, budgets, final_seeds);
         std::vector<std::vector<Cell>> cells(labels.size());
-        bool is_cut = false;
+        std::vector<std::pair<std::size_t, std::uint64_t>> order;  // setting, seed
+        for (std::size_t i = 0; i < labels.size(); ++i)
+            for (std::uint64_t seed = 1; seed <= final_seeds; ++seed)
+                order.emplace_back(i, seed);
         // The fewest seeds of each method's best settings come first, the cheapest method before all others, because each one
         // is to have a verdict; then their other seeds, then the other settings.
-        for (const auto& [from, to, first, last] : {std::tuple(std::size_t{0}, bests, std::uint64_t{1}, fewest_seeds),
-                                                    std::tuple(std::size_t{0}, bests, fewest_seeds + 1, final_seeds),
-                                                    std::tuple(bests, labels.size(), std::uint64_t{1}, final_seeds)}) {
-            std::vector<TuningRuns::Wanted> wanted;
-            for (std::size_t i = from; i < to; ++i)
-                for (std::uint64_t seed = first; seed <= last; ++seed)
-                    wanted.push_back({labels[i], seed, budgets[i]});
-            const auto runs = runs_.measured(wanted, seconds());
-            for (std::size_t i = 0; i < runs.size(); ++i) {
-                if (runs[i].cell) cells[from + i / (last - first + 1)].push_back(*runs[i].cell);
-                is_cut = is_cut || runs[i].is_left_out;
-            }
+        std::ranges::stable_sort(order, {}, [&](const auto& run) {
+            return std::pair(run.first >= bests, run.first < bests && run.second > fewest_seeds);
+        });
+        std::vector<TuningRuns::Wanted> wanted;
+        for (const auto& [i, seed] : order)
+            wanted.push_back({labels[i], seed, budgets[i]});
+        bool is_cut = false;
+        const auto runs = runs_.measured(wanted, seconds());
+        for (std::size_t n = 0; n < runs.size(); ++n) {
+            if (runs[n].cell) cells[order[n].first].push_back(*runs[n].cell);
+            is_cut = is_cut || runs[n].is_left_out;
         }
         if (is_cut) result_.notes.push_back("some final runs ended before all seeds were done");
         for (std::size_t i = 0; i < labels.size(); ++i) {

@@ -1,8 +1,8 @@
 #pragma once
 // `gibench tune`: the settings of each method with the least time to an error.
 
+#include "experiments/plan/experiment_file.h"
 #include "experiments/plan/run_options.h"
-#include "experiments/plan/tune_file.h"
 
 #include <iosfwd>
 

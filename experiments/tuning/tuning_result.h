@@ -50,22 +50,11 @@ struct TuningResult {
 /// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
 std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other);
 
-/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over 3.00 times
-/// as long".
-std::string factor_text(const FinalSetting& setting, const FinalSetting& best);
-
-/// The label of a setting with the samples a pixel that its verdict names.
-std::string label_to_paste(const TuningResult& result, const FinalSetting& f);
-
-/// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % is not
-/// reachable: floor 16.1 % (15.8 to 16.4), 16.3 % after 3 s".
-std::string verdict_text(const TuningResult& result, const FinalSetting& f);
-
 /// The label of the best setting, if one has reached the target, with its times; the other settings beside the best one of
 /// their method; what was cut; and at the end a line with the verdict of each method.
 std::string tuning_text(const TuningResult& result);
 
-/// tune.json, of which report/tuning_section.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
+/// tune.json, of which report/report_data.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
 /// "methods": [{"base": label as asked for, "label", "paste", "state", "verdict", "seconds", "lo" and "hi": null if they
 /// are not known, "parameters": [{"name", "unit", "sentence", "words": [...] or null}], "settings": [{"label", "values":
 /// [number, word, or null without effect], "seconds": null if never, "measured": by the curve, not by its law}]}],

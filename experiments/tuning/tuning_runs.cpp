@@ -4,8 +4,8 @@
 #include "common/core/number_text.h"
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/reference_image.h"
-#include "experiments/plan/filter_label.h"
-#include "experiments/text/json_file.h"
+#include "experiments/plan/label_checks.h"
+#include "experiments/text/json_record.h"
 #include "experiments/tuning/search_space.h"
 #include "methods/method.h"
 
@@ -98,6 +98,11 @@ void TuningRuns::spend(const std::string& name, double seconds) {
     write_file(session_->folder.file("times.json"), nlohmann::json(seconds_).dump(1) + "\n", Flush::later);
 }
 
+void TuningRuns::spend_again(const std::string& name, double seconds) {
+    const auto known = seconds_.find(name);
+    spend(name, known == seconds_.end() ? seconds : known->second);
+}
+
 std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     RunScene& scene = session_->setup.scenes.front();
     const double target = parse_target(file_.target), wanted_error = wanted_reference_error * target,
@@ -118,8 +123,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     }
     session_->write_index();  // with the notes on the reference
     const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (seconds_.count(reference_entry) > 0) counted_.insert(reference_entry);
-    else spend(reference_entry, took);
+    spend_again(reference_entry, took);
 
     if (!error) return "the reference resolves no light of the scene";
     if (*error <= most_error) return "";
@@ -153,8 +157,7 @@ std::vector<TuningRuns::Run> TuningRuns::measured(const std::vector<Wanted>& wan
     for (const WorkCell& cell : cells) {
         const auto stored = folder.read_cell(cell.name, cell.identity.key());
         if (!stored) left.push_back(&cell);
-        else if (seconds_.count(cell.name) > 0) counted_.insert(cell.name);
-        else spend(cell.name, stored->load_seconds + stored->last().seconds);
+        else spend_again(cell.name, stored->load_seconds + stored->last().seconds);
     }
     run_cells(left, session_->runner, session_->log.progress,
               {.seconds_left = [&] { return deadline - used(); },

@@ -3,7 +3,7 @@
 // the end an experiment of the best settings. What was measured before an interruption is found again and counts with the
 // time that it took, so that the same decisions follow.
 
-#include "experiments/plan/tune_file.h"
+#include "experiments/plan/experiment_file.h"
 #include "experiments/run/run_session.h"
 
 #include <cstdint>
@@ -58,6 +58,8 @@ private:
     void open(const std::vector<MethodLabel>& labels, int seeds);
     WorkCell cell_of(const Wanted& wanted) const;
     void spend(const std::string& name, double seconds);
+    /// The same with what times.json says it took, if it says so.
+    void spend_again(const std::string& name, double seconds);
 
     const TuneFile& file_;
     const ExperimentScene& scene_;

@@ -139,12 +139,6 @@ TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
     EXPECT_NEAR(found.median * 1.01 / 0.01, 0.4549, 5 / (2 * 0.4705 * 500));
 }
 
-TEST(RobustErrors, WantPixelsOfOneSize) {
-    EXPECT_THROW(robust_error({}, constant(1), constant(1), epsilon), std::invalid_argument);
-    EXPECT_THROW(robust_error({Image()}, Image(), Image(), epsilon), std::invalid_argument);
-    EXPECT_THROW(robust_error({constant(1, 2, 2)}, constant(1), constant(1), epsilon), std::invalid_argument);
-}
-
 /// The analysis of one scene with one method.
 Analysis analysis_with(const RobustError& robust) {
     Analysis analysis;

@@ -1,7 +1,6 @@
 // The fuzz target of experiment files. Their scenes must exist but are not read.
 
 #include "experiments/plan/experiment_file.h"
-#include "experiments/plan/tune_file.h"
 #include "methods/method.h"
 #include "tests/fuzz/harness.h"
 

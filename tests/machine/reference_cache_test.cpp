@@ -9,7 +9,7 @@
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/plan/label_checks.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/source_path.h"

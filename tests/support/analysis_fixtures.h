@@ -1,8 +1,8 @@
 #pragma once
 // Analyses of runs with given curves, as analyse() would make them of a result folder.
 
-#include "experiments/analysis/contest.h"
-#include "experiments/analysis/price.h"
+#include "experiments/analysis/ranking.h"
+#include "experiments/analysis/row_fields.h"
 #include "tests/support/table_fixtures.h"
 
 #include <set>

@@ -1,12 +1,11 @@
 // The price of an error: when the best method changes, the cost of the last halving, and the sentences about them.
 
-#include "experiments/analysis/price.h"
 #include "experiments/analysis/comparison.h"
-#include "experiments/analysis/footing_warnings.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
 #include "experiments/report/terminal.h"
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 

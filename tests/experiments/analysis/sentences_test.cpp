@@ -1,14 +1,12 @@
 // Sentences that say no more than their numbers: each test builds the situation in which one used to say too much.
 
 #include "experiments/analysis/comparison.h"
-#include "experiments/analysis/error_fields.h"
-#include "experiments/analysis/processors.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/field_text.h"
-#include "experiments/report/look_words.h"
+#include "experiments/analysis/row_fields.h"
+#include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/tables.h"
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/csv_reader.h"
 #include "tests/support/matchers.h"

@@ -1,6 +1,6 @@
 // Names of methods: the key `label`, else the settings that differ; all settings where names would be equal.
 
-#include "experiments/analysis/short_names.h"
+#include "experiments/analysis/method_names.h"
 
 #include "experiments/report/report.h"
 #include "experiments/report/tables.h"

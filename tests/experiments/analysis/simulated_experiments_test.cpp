@@ -2,10 +2,7 @@
 // methods win against each other in few of them, and no time is extrapolated far below the truth.
 
 #include "experiments/analysis/comparison.h"
-#include "experiments/report/answers.h"
-#include "experiments/report/error_words.h"
-#include "experiments/report/field_text.h"
-#include "experiments/report/look_words.h"
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 

@@ -1,7 +1,7 @@
 // Light that no seed has met: neither a bias nor a difference in energy follows from it.
 #include "experiments/analysis/unmet_light.h"
 
-#include "experiments/analysis/error_fields.h"
+#include "experiments/analysis/row_fields.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/table_fixtures.h"
 

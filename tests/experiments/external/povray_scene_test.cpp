@@ -33,7 +33,7 @@ std::string sensor_of(int width, int height, const std::string& filter = "box", 
 std::string povray_text(const std::string& xml) {
     TemporaryFolder folder;
     const std::string path = folder.write("s.xml", xml);
-    return povray_scene(load_scene(path), scene_places(path, {}));
+    return povray_scene(load_scene(path), path, {});
 }
 
 std::string lit_scene(const std::string& body, const std::string& sensor = sensor_of(8, 6)) {

@@ -5,7 +5,7 @@
 #include "experiments/measuring/reference_agreement.h"
 
 #include "common/sampling/sampler.h"
-#include "experiments/plan/reference_methods.h"
+#include "experiments/plan/label_checks.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/matchers.h"
 

@@ -1,8 +1,8 @@
 // How often intervals contain the truth if few bright pixels carry the error, as those of caustics and of the edges of
 // lamps do. With normal noise in all pixels, statistics_test.cpp tests the same.
 #include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/price_law.h"
 #include "experiments/metrics/statistics.h"
-#include "experiments/metrics/time_to_error.h"
 
 #include "common/core/math.h"
 

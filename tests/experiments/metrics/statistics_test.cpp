@@ -2,8 +2,8 @@
 #include "experiments/metrics/statistics.h"
 
 #include "common/core/error.h"
+#include "experiments/metrics/price_law.h"
 #include "experiments/metrics/student_t.h"
-#include "experiments/metrics/time_to_error.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/moments.h"
 #include "tests/support/scene_text.h"

@@ -2,10 +2,8 @@
 // shares and uniformity; and the scene's surfaces as triangles, with their places, colours and shares.
 #include "experiments/photons/page.h"
 
-#include "experiments/photons/even_shares.h"
-#include "experiments/photons/photon_subset.h"
+#include "experiments/photons/stored_light.h"
 #include "experiments/photons/surfaces.h"
-#include "experiments/text/embedded_files.h"
 #include "experiments/text/html.h"
 #include "tests/support/page_reader.h"
 #include "tests/support/run_fixtures.h"

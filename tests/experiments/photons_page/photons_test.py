@@ -134,7 +134,8 @@ class PhotonsCase(BrowserCase):
     def control(self, name):
         for label in self.driver.find_elements(By.CSS_SELECTOR, "#panel label"):
             if label.text.split("\n")[0] == name:
-                return label.find_element(By.CSS_SELECTOR, "input, select")
+                name = label.get_attribute("for")
+                return self.find(f"#{name}") if name else label.find_element(By.CSS_SELECTOR, "input")
         raise AssertionError(f"no control is named {name}")
 
     def check(self, name):

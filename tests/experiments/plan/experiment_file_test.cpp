@@ -3,7 +3,6 @@
 #include "experiments/plan/experiment_file.h"
 
 #include "experiments/plan/experiment_keys.h"
-#include "experiments/plan/tune_file.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/input_error.h"
 

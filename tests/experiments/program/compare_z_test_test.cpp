@@ -1,7 +1,7 @@
 // `gibench compare --z-test` as a user meets it, and the decision rule of Mitsuba's test.
 
 #include "common/images/image_file.h"
-#include "experiments/metrics/mitsuba_z_test.h"
+#include "experiments/metrics/z_statistic.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/run_fixtures.h"
 

@@ -2,7 +2,6 @@
 
 #include "experiments/program/run_comparison.h"
 
-#include "experiments/program/compare_runs.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 

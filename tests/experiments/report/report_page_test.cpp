@@ -2,13 +2,10 @@
 // the page asks for nothing outside the file.
 
 #include "experiments/analysis/analysis.h"
-#include "experiments/report/image_pack.h"
 #include "experiments/report/report.h"
 #include "experiments/report/report_pictures.h"
-#include "experiments/results/color_maps.h"
-#include "experiments/results/frames.h"
 #include "experiments/results/judgement.h"
-#include "experiments/text/embedded_files.h"
+#include "experiments/results/pictures.h"
 #include "experiments/text/html.h"
 #include "tests/support/page_reader.h"
 #include "tests/support/run_fixtures.h"

@@ -3,13 +3,10 @@
 
 #include "experiments/report/tables.h"
 
-#include "experiments/analysis/price.h"
-#include "experiments/report/error_words.h"
-#include "experiments/report/field_text.h"
-#include "experiments/report/look_words.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/report/report.h"
-#include "experiments/report/row_columns.h"
 #include "experiments/report/sections.h"
+#include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/csv_reader.h"

@@ -237,7 +237,7 @@ class ViewerTest(ReportCase):
         ends = [float(word) for word in legend.text.split("\n")[:2]]
         self.assertAlmostEqual(ends[0] * exposure, 2 ** -8, delta=1e-4)
         self.assertAlmostEqual(ends[1] * exposure, 2 ** 4, delta=0.1)
-        scale = self.script("return report.data.scales.error")
+        scale = self.script("return data.scales.error")
         luminance = 0.212671 * values[0] + 0.715160 * values[1] + 0.072169 * values[2]
         place = (math.log2(luminance * exposure) + 8) / 12 * (len(scale) - 1)
         step = int(place)

@@ -1,6 +1,6 @@
 // Paths in the patterns of sbatch.
 
-#include "experiments/slurm/log_pattern.h"
+#include "experiments/slurm/slurm_client.h"
 #include "tests/support/input_error.h"
 
 #include <gmock/gmock.h>

@@ -1,0 +1,193 @@
+#include "experiments/analysis/row_fields.h"
+
+#include "common/core/math.h"
+#include "experiments/plan/label_checks.h"
+#include "methods/method.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gib {
+
+namespace {
+
+/// No time is extrapolated beyond `farthest_extrapolation` times the measured span, or if a point misses the law by
+/// more than the share `largest_misfit` of its squared error.
+constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
+
+/// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
+std::optional<double> log_last_halving(const Runs& cells, Layer layer, double noise_floor) {
+    std::vector<ErrorPoint> mean;
+    for (const MeanPoint& point : mean_curve(cells, layer))
+        mean.push_back({point.seconds, sample_mean(point.relative).value});
+    if (mean.empty() || !(mean.back().error2 > noise_floor)) return std::nullopt;
+    const ErrorPoint end = mean.back();
+    for (std::size_t i = mean.size() - 1; i-- > 0;) {
+        const ErrorPoint &a = mean[i], &b = mean[i + 1];
+        if (!(a.error2 >= 4 * end.error2)) continue;
+        const double part = std::log(a.error2 / (4 * end.error2)) / std::log(a.error2 / b.error2);
+        return std::log(end.seconds / a.seconds) - part * std::log(b.seconds / a.seconds);
+    }
+    return std::nullopt;
+}
+
+/// The field of an extrapolated time, if it is beyond the measured span and not too far; `unit` divides it [s]. A time
+/// within the span is no extrapolation: the first image was better already, or the points scatter about the law.
+Field field_of(const TableRow& row, const std::optional<Extrapolation>& time, double unit) {
+    const PriceLaw& law = *row.law;
+    if (!time) return {State::not_reached};
+    if (time->kind == Extrapolation::Kind::never) {
+        const bool contradicted = row.statistics && row.statistics->rel_mse_corrected < law.floor.value;
+        return contradicted ? Field{State::not_reached}
+                            : Field{State::never, law.floor.value, std::nullopt, Unit::root};
+    }
+    if (!(time->seconds > law.last_seconds) || !law_reaches(law, time->seconds)) return {State::not_reached};
+    if (!time->interval) return {State::at_least, time->seconds / unit};
+    return {State::extrapolated, time->seconds / unit,
+            Interval{std::max(time->interval->lo, law.last_seconds) / unit, time->interval->hi / unit}};
+}
+
+}  // namespace
+
+std::optional<PriceLaw> price_law_of(const Runs& cells, Layer layer, double noise_floor) {
+    std::vector<std::vector<ErrorPoint>> runs(cells.size());
+    double start = 0;
+    for (const Cell* cell : cells)
+        start += cell->prepare_seconds / static_cast<double>(cells.size());
+    for (const MeanPoint& point : mean_curve(cells, layer))
+        for (std::size_t r = 0; r < runs.size(); ++r)
+            runs[r].push_back({point.run_seconds[r], point.relative[r]});
+    return fit_price_law(runs, start, noise_floor);
+}
+
+std::vector<std::vector<CurvePoint>> error_curves(const Runs& cells, Layer layer) {
+    std::vector<std::vector<CurvePoint>> curves;
+    for (const Cell* cell : cells) {
+        curves.emplace_back();
+        for (const auto& [checkpoint, errors] : cell->checkpoints)
+            if (const auto error = errors.find(layer); error != errors.end())
+                curves.back().push_back(
+                    {checkpoint.seconds, std::sqrt(std::max(error->second.rel_mse_corrected, 0.0))});
+    }
+    return curves;
+}
+
+std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double noise_floor) {
+    const auto log_factor = log_last_halving(cells, layer, noise_floor);
+    if (!log_factor) return std::nullopt;
+    Estimate factor{std::exp(*log_factor), std::nullopt};
+    std::vector<double> others;
+    for (std::size_t r = 0; r < cells.size(); ++r)
+        if (const auto other = log_last_halving(without(cells, r), layer, noise_floor)) others.push_back(*other);
+    if (others.size() < std::max<std::size_t>(cells.size(), 3)) return factor;
+    const Interval logs = *jackknife(*log_factor, others).interval;
+    factor.interval = Interval{std::exp(logs.lo), std::exp(logs.hi)};
+    return factor;
+}
+
+void add_curve_numbers(TableRow& row, const Runs& cells) {
+    const auto curves = error_curves(cells, row.layer);
+    for (std::size_t t = 0; t < target_errors.size(); ++t) {
+        if (!is_target_resolved(t, row.noise_floor)) continue;
+        row.times[t] = time_to_error(curves, target_errors[t]);
+        row.reached[t] = static_cast<int>(std::ranges::count_if(
+            curves, [&](const auto& curve) { return crossing_time(curve, target_errors[t]).has_value(); }));
+    }
+    row.law = price_law_of(cells, row.layer, row.noise_floor);
+    row.last_halving = last_halving(cells, row.layer, row.noise_floor);
+}
+
+double floor_bias2(const TableRow& row) {
+    if (row.is_unbiased || !row.law || !row.statistics || !row.statistics->rel_bias2) return 0;
+    return std::clamp(row.statistics->rel_bias2->value, 0.0, row.law->floor.value);
+}
+
+bool law_reaches(const PriceLaw& law, double seconds) {
+    return law.misfit <= largest_misfit && seconds <= farthest_extrapolation * law.last_seconds;
+}
+
+Field time_field(const TableRow& row, std::size_t target) {
+    if (!row.statistics) return {};
+    if (!is_target_resolved(target, row.noise_floor)) return {State::not_resolved};
+    if (row.times[target]) return measured(*row.times[target]);
+    if (row.reached[target] > 0)
+        return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};
+    if (!row.law) return {State::not_reached};
+    return field_of(row, row.law->extrapolate(sqr(target_errors[target]), row.is_unbiased), 1);
+}
+
+Field next_halving_field(const TableRow& row) {
+    if (!row.law || !law_reaches(*row.law, row.law->last_seconds)) return {};
+    const PriceLaw& law = *row.law;
+    const double error2 = (row.is_unbiased ? law.floorless : law.law).error2(law.last_seconds);
+    const Field factor = field_of(row, law.extrapolate(error2 / 4, row.is_unbiased), law.last_seconds);
+    return factor.state == State::not_reached ? Field{} : factor;
+}
+
+Field floor_field(const TableRow& row) {
+    if (!row.law) return {};
+    if (row.is_unbiased) return {State::unbiased};
+    if (!row.law->floor.interval) return {State::cannot_be_told};
+    return positive(row.law->floor, Unit::root);
+}
+
+Field floor_bias_field(const TableRow& row) {
+    if (!floor_field(row).is_measured() || !row.statistics) return {};
+    const auto& bias2 = row.statistics->rel_bias2;
+    const double floor = row.law->floor.value;
+    if (!bias2 || !bias2->interval || (bias2->interval->lo <= 0 && bias2->interval->hi >= floor))
+        return {State::cannot_be_told};
+    const auto part = [&](double value) { return std::clamp(value, 0.0, floor); };
+    return positive({part(bias2->value), Interval{part(bias2->interval->lo), part(bias2->interval->hi)}}, Unit::root);
+}
+
+double least_resolved(const ReferenceLayer& layer, const Denominators& denominators) {
+    const double variance = denominators.variance_of(layer).variance.variance;
+    const double floor = noise_floor_of(layer, denominators);
+    return std::isfinite(variance) ? std::max(floor, 2 * std::sqrt(variance)) : floor;
+}
+
+std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
+    if (!row.statistics) return std::nullopt;
+    const auto& s = *row.statistics;
+    const double own = s.rel_mse.value - s.rel_mse_corrected;
+    Estimate corrected{s.rel_mse_corrected, std::nullopt};
+    if (s.rel_mse.interval) corrected.interval = Interval{s.rel_mse.interval->lo - own, s.rel_mse.interval->hi - own};
+    return corrected;
+}
+
+Field relative_error_field(const TableRow& row) {
+    if (!row.statistics) return {State::not_judged};
+    return resolved(*corrected_rel_mse(row), row.noise_floor);
+}
+
+Field bias2_field(const TableRow& row) {
+    if (!row.statistics || !row.statistics->bias2) return {};
+    return row.is_unbiased ? Field{State::unbiased} : positive(*row.statistics->bias2);
+}
+
+Field bias_share_field(const TableRow& row) {
+    if (!row.statistics) return {};
+    if (row.is_unbiased) return {State::unbiased};
+    const auto& [bias2, variance] = std::pair(row.statistics->bias2, row.statistics->variance);
+    if (!bias2 || !variance || !bias2->interval) return {State::cannot_be_told};
+    const double sum = std::max(bias2->value, 0.0) + std::max(variance->value, 0.0);
+    if (!(sum > 0) || !std::isfinite(sum)) return {};
+    const auto share = [sum](double part) { return std::clamp(part / sum, 0.0, 1.0); };
+    constexpr double whole = 0.995;  // "below 100 %" says nothing
+    if (!(bias2->interval->lo > 0) && share(bias2->interval->hi) >= whole) return {State::cannot_be_told};
+    return positive({share(bias2->value), Interval{share(bias2->interval->lo), share(bias2->interval->hi)}},
+                    Unit::share);
+}
+
+bool is_unbiased(const TableRow& row, const Components& components_left_out) {
+    const MethodLabel label = MethodLabel::parse(row.method);
+    const auto& methods = method_registry();
+    const auto method = std::ranges::find_if(methods, [&](const auto& m) { return m.name == label.name; });
+    if (method == methods.end() || !method->unbiased || !row.effects_missing.empty() || row.nonfinite > 0) return false;
+    if (std::ranges::any_of(label.values, [](const auto& v) { return v.first == "max_depth"; })) return false;
+    if (!filter_of(label).empty()) return false;
+    return !components_left_out.touches(row.layer);
+}
+
+}  // namespace gib

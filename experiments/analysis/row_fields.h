@@ -1,0 +1,63 @@
+#pragma once
+// The numbers of a row as fields: the size of its error and the part of it that is bias, and the price of accuracy, which is the
+// law of the error against time, the time to an error, and the cost of halving it.
+
+#include "experiments/analysis/curves.h"
+#include "experiments/analysis/table_row.h"
+#include "experiments/metrics/price_law.h"
+
+#include <optional>
+#include <vector>
+
+namespace gib {
+
+/// The law of a layer, fitted to mean_curve(). The start of the law is the runs' mean preparation time [s].
+/// `noise_floor` is the relative squared error that is lost in the reference's own noise.
+std::optional<PriceLaw> price_law_of(const Runs& cells, Layer layer, double noise_floor);
+/// The curve of error against time of each run, with the reference's own variance subtracted; an error is 0 if that
+/// variance exceeds it. NaN stays NaN.
+std::vector<std::vector<CurvePoint>> error_curves(const Runs& cells, Layer layer);
+/// The measured factor by which time grew for the last halving of a method's error: the time of the last point of its
+/// mean curve over the time at which the mean error was twice as large. From 3 runs on it has a 95 % interval
+/// (delete-one jackknife over the runs, in the logarithm). Empty if the error was never twice as large, or if the
+/// last error is not above the noise floor.
+std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double noise_floor);
+/// Sets the members of a judged row that come from the curves of its cells: times, law, last halving.
+void add_curve_numbers(TableRow& row, const Runs& cells);
+
+/// The part of a law's floor that is bias^2, taken from the relative bias^2 of
+/// the final images. The rest is variance that more time does not remove, such as
+/// that of a fixed photon map. 0 without a law, without an estimate of bias^2, or if the method is unbiased.
+double floor_bias2(const TableRow& row);
+
+/// Whether a law describes its points well enough to be extrapolated to this time [s].
+bool law_reaches(const PriceLaw& law, double seconds);
+/// The time [s] to target_errors[target]: measured if all seeds have reached it; else what the law says. No seed of a row
+/// with State::never has an error below the floor that is named.
+Field time_field(const TableRow& row, std::size_t target);
+/// The factor by which the time has to grow to halve the error of the final image, by the law.
+Field next_halving_field(const TableRow& row);
+/// The floor of the law, as a squared error.
+Field floor_field(const TableRow& row);
+/// The part of a resolved floor that is bias^2, with the interval of the final images' bias^2.
+Field floor_bias_field(const TableRow& row);
+
+/// The squared error that a reference's layer resolves: its noise floor, and at least twice the standard error of its own
+/// variance, which is subtracted from errors. Where few groups have the bright pixels, this is more.
+double least_resolved(const ReferenceLayer& layer, const Denominators& denominators);
+/// rel_mse with its interval, less the reference's own variance; unclipped.
+std::optional<Estimate> corrected_rel_mse(const TableRow& row);
+/// The same, not resolved where it is not above the noise floor.
+Field relative_error_field(const TableRow& row);
+/// The squared bias [radiance^2]: 0 by theory, or below the upper end of its interval where this reaches 0.
+Field bias2_field(const TableRow& row);
+/// The share of bias^2 in bias^2 + variance, with the interval of bias^2.
+Field bias_share_field(const TableRow& row);
+
+/// Whether bias^2 of this row is 0 by theory, so that all of its error is variance. The method has to declare itself
+/// unbiased, and it has to sample every path of the component, or of all components for the row of the total: its label
+/// sets no max_depth, no effect and none of these components is left out, and no sample was dropped because it was not
+/// finite.
+bool is_unbiased(const TableRow& row, const Components& components_left_out);
+
+}  // namespace gib

@@ -1,0 +1,179 @@
+#include "experiments/analysis/warnings.h"
+
+#include "experiments/analysis/table_row.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+namespace gib {
+
+namespace {
+
+/// A cell had a busy machine if its threads waited for a processor for more than this share of the time for which they
+/// ran. On an idle machine the share is below 0.01.
+constexpr double largest_wait = 0.1;
+/// Seeds do the same work in a pass, but for the scatter of their paths: their times for it differ by less than this
+/// factor, if they take `least_seconds` or more.
+constexpr double largest_ratio = 1.3, least_seconds = 0.2;
+
+double waited(const Cell& cell) {
+    return cell.processor_seconds > 0 ? cell.waiting_seconds / cell.processor_seconds : 0;
+}
+
+double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
+
+/// The signs of a machine that was busy when it measured these runs; empty if there are none.
+std::string sign_of(const Runs& cells) {
+    const auto& longest =
+        **std::ranges::max_element(cells, [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
+    if (waited(longest) > largest_wait)
+        return fmt::format("threads waited {:.2g} s for each second that they ran", waited(longest));
+    double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
+    std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
+    for (const Cell* cell : cells) {
+        least = std::min(least, seconds_of_a_pass(*cell));
+        most = std::max(most, seconds_of_a_pass(*cell));
+        shortest = std::min(shortest, cell->last().seconds);
+        least_passes = std::min(least_passes, cell->last().passes);
+        most_passes = std::max(most_passes, cell->last().passes);
+    }
+    if (shortest < least_seconds || !(most > largest_ratio * least)) return "";
+    return fmt::format("a pass takes {:.3g} s to {:.3g} s, {} passes{}", least, most, least_passes,
+                       most_passes > least_passes ? fmt::format(" to {}", most_passes) : "");
+}
+
+/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
+std::string signed_percent(const Estimate& e) {
+    return fmt::format("{:+.2f} %", 100 * e.value) +
+           (e.interval ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * e.interval->lo, 100 * e.interval->hi) : "");
+}
+
+std::string component_text(const TableRow& row) {
+    const Estimate& excess = row.footing->excess;
+    return fmt::format("`{}` {}", name_of(row.layer),
+                       std::isfinite(excess.value) ? signed_percent(excess) : "is not finite");
+}
+
+/// The two rows that differ most surely from each other, among
+/// the rows of one component that the reference cannot judge.
+struct Disagreement {
+    const TableRow *more = nullptr, *less = nullptr;
+    Estimate difference;  ///< with an interval
+    double sureness = 0;  ///< difference / half the width of its interval
+};
+
+void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>& surest) {
+    const Footing pair = a.footing->against(*b.footing);
+    if (pair.verdict != FootingVerdict::differs || !pair.excess.interval) return;
+    if (pair.excess.value < 0) return consider(b, a, surest);
+    const double half = pair.excess.interval->hi - pair.excess.value;
+    const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
+    if (!surest || sureness > surest->sureness)
+        surest = Disagreement{.more = &a, .less = &b, .difference = pair.excess, .sureness = sureness};
+}
+
+/// The rows that the reference cannot judge, by scene and component.
+using UnresolvedRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
+
+std::vector<Warning> disagreements(const UnresolvedRows& groups) {
+    std::vector<Warning> warnings;
+    for (const auto& [key, rows] : groups) {
+        std::optional<Disagreement> surest;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                consider(*rows[i], *rows[j], surest);
+        if (!surest) continue;
+        warnings.push_back(
+            {.kind = Warning::Kind::energy_differs,
+             .scene = key.first,
+             .layer = key.second,
+             .sentence = fmt::format(
+                 "`{}` differs between methods where the reference cannot judge: {} has {} of mean energy over {}",
+                 name_of(key.second), surest->more->method, signed_percent(surest->difference), surest->less->method)});
+    }
+    return warnings;
+}
+
+}  // namespace
+
+std::set<std::string> processors_of(const Runs& cells) {
+    std::set<std::string> names;
+    for (const Cell* cell : cells)
+        if (!cell->cpu.empty()) names.insert(cell->cpu);
+    return names;
+}
+
+std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene) {
+    std::map<std::string, std::set<std::string>> methods;  // by the processor's name
+    for (const Cell& cell : cells)
+        if (cell.scene == scene && !cell.cpu.empty()) methods[cell.cpu].insert(cell.method);
+    if (methods.size() < 2) return std::nullopt;
+    std::string text = "the cells were measured on unlike processors, so that their seconds do not compare";
+    for (const auto& [cpu, labels] : methods)
+        text += fmt::format("; on '{}': {}", cpu, fmt::join(labels, ", "));
+    return Warning{.kind = Warning::Kind::unlike_processors, .scene = scene, .sentence = text};
+}
+
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
+                                    const std::string& experiment_file) {
+    std::vector<std::string> methods;
+    std::string signs;
+    for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
+        const std::string sign = analysis.index.is_external(method) ? "" : sign_of(cells);
+        if (sign.empty()) continue;
+        methods.push_back(method);
+        if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);
+    }
+    if (methods.empty()) return std::nullopt;
+    if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
+    if (experiment_file.empty())
+        return Warning{
+            .kind = Warning::Kind::busy_machine,
+            .scene = scene,
+            .sentence = fmt::format("the machine was busy, so that seconds are too long ({}); the same tuning "
+                                    "into another folder (`--out`) measures anew",
+                                    signs)};
+    // One method is named by its label; --only names several of them by their scene.
+    return Warning{.kind = Warning::Kind::busy_machine,
+                   .scene = scene,
+                   .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
+                   .command = fmt::format("gibench run '{}' --only '{}' --fresh", experiment_file,
+                                          methods.size() == 1 ? methods.front() : scene)};
+}
+
+std::vector<Warning> footing_warnings(const Analysis& analysis) {
+    std::vector<Warning> differing;
+    UnresolvedRows groups;
+    const TableRow* last = nullptr;
+    for (const TableRow& row : analysis.rows) {
+        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing, nor do
+        // those that have not met some light.
+        if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
+            !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
+            groups[{row.scene, row.layer}].push_back(&row);
+        if (!row.has_verdict(FootingVerdict::differs)) continue;
+        // Rows of one method are joined in one sentence.
+        if (last && last->scene == row.scene && last->method == row.method)
+            differing.back().sentence += ", " + component_text(row);
+        else
+            differing.push_back(
+                {.kind = Warning::Kind::energy_differs,
+                 .scene = row.scene,
+                 .sentence = fmt::format(
+                     "{}{} differs from the reference in mean energy: {}", row.method,
+                     row.effects_missing.empty() ? "" : ", which leaves out " + words_of(row.effects_missing) + ",",
+                     component_text(row))});
+        last = &row;
+    }
+    for (auto& warning : disagreements(groups))
+        differing.push_back(std::move(warning));
+    return differing;
+}
+
+}  // namespace gib

@@ -1,0 +1,30 @@
+#pragma once
+// Warnings that stand on top of the tables and the report: seconds that do not compare, because unlike processors measured them or
+// something else kept the processor busy, and methods that are not on an equal footing (equal_footing.h).
+
+#include "experiments/analysis/curves.h"
+#include "experiments/analysis/table_row.h"
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// The names of the processors of these cells; records of older versions have none.
+std::set<std::string> processors_of(const Runs& cells);
+
+/// A warning that names the processors of a scene's cells and the methods that each one has measured; empty if all are
+/// alike.
+std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
+
+/// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
+/// for a pass, and the command that measures them again (`experiment_file` is empty for a tuning). Empty if there are none.
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
+                                    const std::string& experiment_file);
+
+/// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
+/// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.
+std::vector<Warning> footing_warnings(const Analysis& analysis);
+
+}  // namespace gib

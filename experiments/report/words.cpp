@@ -1,0 +1,377 @@
+#include "experiments/report/words.h"
+
+#include "experiments/analysis/row_fields.h"
+#include "experiments/text/numbers.h"
+#include "methods/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace gib {
+
+namespace {
+
+std::string whole_percent(double share) {
+    const double value = 100 * share;
+    return value > 0 && value < 1 ? fmt::format("{:.1g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string number_text(double value, Unit unit) {
+    if (std::isnan(value)) return "nan";
+    switch (unit) {
+        case Unit::percent:
+            return percent_text(value);
+        case Unit::root:
+            return percent_text(std::sqrt(at_least_zero(value)));
+        case Unit::whole:
+            return fmt::format("{:.0f}", value);
+        case Unit::share:
+            return whole_percent(value);
+        case Unit::number:
+            break;
+    }
+    return short_number(value);
+}
+
+/// "`a`, `b` and 3 more"
+std::string named(const std::vector<std::string>& methods) {
+    constexpr std::size_t most = 3;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(most, methods.size()); ++i)
+        text += fmt::format("{}`{}`", i > 0 ? ", " : "", methods[i]);
+    return methods.size() > most ? fmt::format("{} and {} more", text, methods.size() - most) : text;
+}
+
+Field error_of(const Contender& c, const TableRow& total) {
+    if (c.logs.empty()) return {State::no_image, c.first_image};
+    return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::not_judged};
+}
+
+/// The layers whose mean energy differs from the reference's, "total, caustic".
+std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
+    std::string names;
+    for (const TableRow& row : analysis.rows)
+        if (row.scene == look.scene && row.method == look.method && row.has_verdict(FootingVerdict::differs))
+            names += (names.empty() ? "" : ", ") + std::string(name_of(row.layer));
+    return names;
+}
+
+std::string beside_text(const std::vector<Contender>& ranking, const Contender& c) {
+    switch (c.standing) {
+        case Standing::best: {
+            const std::string doubt = doubts(ranking);
+            return doubt.empty() ? "best" : "best, " + doubt;
+        }
+        case Standing::tie:
+            return "tie with the best";
+        case Standing::open:
+            return "not run longer";
+        case Standing::incomplete:
+            return "leaves out light";
+        default:
+            return "";
+    }
+}
+
+/// A time as multiples of another one, as far as it is known. The interval of the time alone is not that of the ratio.
+Field times_as_much(Field time, double factor) {
+    const bool is_number =
+        time.state == State::measured || time.state == State::at_least || time.state == State::extrapolated;
+    if (!is_number) return {};
+    time.value *= factor;
+    if (time.state == State::extrapolated && time.interval)
+        time.interval = Interval{time.interval->lo * factor, time.interval->hi * factor};
+    else time.interval.reset();
+    return time;
+}
+
+std::optional<double> mean_error2(const Runs& cells, Layer layer, double seconds) {
+    const auto errors2 = errors2_by(cells, layer, seconds);
+    return errors2.empty() ? std::nullopt : std::optional(sample_mean(errors2).value);
+}
+
+/// The answers of one scene.
+class Answers {
+public:
+    Answers(const Analysis& analysis, std::string scene)
+        : analysis_(analysis), scene_(std::move(scene)), contest_(analysis, scene_) {}
+
+    std::vector<VerdictRow> verdict() const {
+        if (contest_.methods() == 0) return {};
+        if (!contest_.is_judged())
+            return {VerdictRow{.remark = fmt::format("the reference does not judge the light of {}",
+                                                     words_of(analysis_.unjudged(scene_)))}};
+        std::vector<VerdictRow> rows;
+        for (const std::size_t target : asked_targets) {
+            const auto ranking = contest_.to_error(target);
+            const auto of_target = best_of(ranking) ? with_winner(ranking, target) : without_winner(target);
+            rows.insert(rows.end(), of_target.begin(), of_target.end());
+        }
+        return rows;
+    }
+
+    ShortAnswer short_answer(std::size_t target) const {
+        if (!contest_.is_judged()) return {"not judged", ""};
+        const auto ranking = contest_.to_error(target);
+        if (const Contender* best = best_of(ranking)) {
+            const std::string seconds = short_number(row(best->method).times[target]->value) + " s";
+            return {best->method, seconds + (ranking.size() > 1 ? after_comma(doubts(ranking)) : "")};
+        }
+        if (!is_target_resolved(target, contest_.noise_floor())) return {"not resolved", ""};
+        const auto closest = contest_.by_final_images();
+        const TableRow* first = closest.empty() ? nullptr : analysis_.row(scene_, closest.front().method, Layer::total);
+        if (!first || !first->statistics) return {"not reached", ""};
+        // Its error, and the time to the target by the fitted law, if there is one.
+        const Field time = time_field(*first, target), error = row_of(first->method, target, INFINITY).error;
+        const bool has_time = time.state == State::extrapolated || time.state == State::at_least;
+        return {"not reached", fmt::format("closest: {}, {} after {} s{}{}", first->method, line_of(error, " %"),
+                                           short_number(first->seconds), has_time ? "; " + line_of(time, " s") : "",
+                                           after_comma(doubts(closest)))};
+    }
+
+private:
+    const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
+    /// The page's head has no code.
+    static std::string after_comma(std::string text) {
+        std::erase(text, '`');
+        return text.empty() ? "" : ", " + text;
+    }
+
+    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below half a
+    /// percent: "90 % caustic, 10 % indirect"; empty if there is none.
+    std::string parts_of_error(const Runs& cells, double seconds) const {
+        double sum = 0;
+        std::vector<std::pair<double, Layer>> parts;
+        for (const Layer layer : layers_of(analysis_, scene_)) {
+            const auto error2 = mean_error2(cells, layer, seconds);
+            if (layer == Layer::total || !error2 || !(*error2 > 0)) continue;
+            sum += *error2;
+            parts.emplace_back(*error2, layer);
+        }
+        std::ranges::stable_sort(parts, [](const auto& a, const auto& b) { return a.first > b.first; });
+        std::string text;
+        for (const auto& [error2, layer] : parts)
+            if (error2 >= 0.005 * sum)
+                text += fmt::format("{}{:.0f} % {}", text.empty() ? "" : ", ", 100 * error2 / sum, name_of(layer));
+        return text;
+    }
+
+    /// A method with its error after `seconds` (if infinite: that of its final images, as in the table of errors).
+    VerdictRow row_of(const std::string& method, std::size_t target, double seconds) const {
+        const Runs& cells = contest_.cells().at(method);
+        const TableRow& of = row(method);
+        const auto error2 = mean_error2(cells, Layer::total, seconds);
+        std::string remark = left_out(of).empty() ? "" : "leaves out " + left_out(of);
+        if (of.seconds < seconds && std::isfinite(seconds) && !have_converged(cells))
+            remark += std::string(remark.empty() ? "" : "; ") + "not run longer";
+        return {.target = target,
+                .method = method,
+                .seconds = time_field(of, target),
+                .error = error2 ? resolved({*error2, {}}, contest_.noise_floor())
+                                : Field{State::no_image, first_image_of_all(cells)},
+                .parts = parts_of_error(cells, seconds),
+                .kind = error_kind(of),
+                .remark = std::move(remark)};
+    }
+
+    /// For each method name other than the first one's, the label that stands first.
+    std::vector<std::string> best_of_other_names(const std::vector<std::string>& methods) const {
+        std::set<std::string> named = {name_in(methods.front())};
+        std::vector<std::string> best;
+        for (const std::string& method : methods)
+            if (analysis_.row(scene_, method, Layer::total) && named.insert(name_in(method)).second)
+                best.push_back(method);
+        return best;
+    }
+    std::string name_in(const std::string& method) const { return MethodLabel::parse(analysis_.label_of(method)).name; }
+
+    std::vector<VerdictRow> with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
+        const Contender& best = ranking.front();
+        const double seconds = row(best.method).times[target]->value;
+        std::vector<std::string> methods;
+        for (const Contender& c : ranking)
+            if (c.known == Contender::Known::equal) methods.push_back(c.method);
+        for (const Contender& c : contest_.after(seconds))
+            methods.push_back(c.method);
+        std::vector<std::string> shown = best_of_other_names(methods);
+        if (ranking.size() > 1 && ranking[1].is_complete && ranking[1].known == Contender::Known::equal &&
+            std::ranges::find(shown, ranking[1].method) == shown.end())
+            shown.insert(shown.begin(), ranking[1].method);
+
+        std::vector<VerdictRow> rows = {row_of(best.method, target, seconds)};
+        rows[0].is_best = true;
+        rows[0].factor = measured(1);
+        rows[0].remark = ranking.size() == 1                               ? ""
+                         : doubts_about(best.method, ranking).open.empty() ? "cheapest"
+                                                                           : "first that was seen to reach it";
+        if (const std::string doubt = doubts(ranking); !doubt.empty()) rows[0].remark += ", " + doubt;
+        for (const std::string& method : shown) {
+            VerdictRow& other = rows.emplace_back(row_of(method, target, seconds));
+            other.factor = times_as_much(other.seconds, 1 / seconds);
+            const bool is_tie = std::ranges::any_of(
+                ranking, [&](const Contender& c) { return c.method == method && c.standing == Standing::tie; });
+            if (is_tie) other.remark = "tie with the best";
+        }
+        return rows;
+    }
+
+    std::vector<VerdictRow> without_winner(std::size_t target) const {
+        if (!is_target_resolved(target, contest_.noise_floor()))
+            return {{.target = target,
+                     .remark = fmt::format("the reference resolves {} % only",
+                                           percent_text(std::sqrt(contest_.noise_floor())))}};
+        const auto closest = contest_.by_final_images();
+        std::vector<std::string> methods;
+        for (const Contender& c : closest)
+            methods.push_back(c.method);
+        if (const TableRow* first = analysis_.row(scene_, methods.front(), Layer::total); !first || !first->statistics)
+            return {};
+        std::vector<VerdictRow> rows = {row_of(methods.front(), target, INFINITY)};
+        const std::string doubt = doubts(closest), &left = rows[0].remark;
+        rows[0].remark = "closest" + (doubt.empty() ? "" : ", " + doubt) + (left.empty() ? "" : "; " + left);
+        for (const std::string& method : best_of_other_names(methods))
+            rows.push_back(row_of(method, target, INFINITY));
+        return rows;
+    }
+
+    const Analysis& analysis_;
+    std::string scene_;
+    Contest contest_;
+};
+
+}  // namespace
+
+FieldText text_of(const Field& field, const std::string& unit) {
+    const auto number = [&](double value) { return number_text(value, field.unit) + unit; };
+    const std::string range = field.interval ? fmt::format("{} to {}", number_text(field.interval->lo, field.unit),
+                                                           number_text(field.interval->hi, field.unit))
+                                             : "";
+    switch (field.state) {
+        case State::measured:
+            return {number(field.value), range};
+        case State::extrapolated:
+            return {number(field.value), "extrapolated, " + range};
+        case State::at_least:
+            return {"at least " + number(field.value), "extrapolated"};
+        case State::below:
+            return {"below " + number(field.value), ""};
+        case State::some_seeds:
+            return {"not by all seeds", fmt::format("by {:.0f} of {}", field.value, field.seeds)};
+        case State::never:
+            return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
+        case State::unbiased:
+            return {"0", "unbiased"};
+        case State::no_image:
+            return {fmt::format("no image yet; first after {} s", short_number(field.value)), ""};
+        case State::not_resolved:
+            if (!std::isnan(field.value)) return {fmt::format("below {}, not resolved", number(field.value)), ""};
+            break;
+        default:
+            break;
+    }
+    return {csv_state(field), ""};
+}
+
+std::string line_of(const Field& field, const std::string& unit) {
+    const auto [value, detail] = text_of(field, unit);
+    return detail.empty() ? value : fmt::format("{} ({})", value, detail);
+}
+
+std::string csv_text(const Field& field) { return field.is_measured() ? csv_number(field.value) : ""; }
+
+std::string csv_state(const Field& field) {
+    // In the order of State.
+    constexpr const char* names[] = {
+        "",      "measured", "extrapolated", "at least",       "below",    "some seeds", "not reached",
+        "never", "unbiased", "not resolved", "cannot be told", "no image", "not judged"};
+    static_assert(std::size(names) == static_cast<std::size_t>(State::not_judged) + 1);
+    return names[static_cast<std::size_t>(field.state)];
+}
+
+std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
+
+std::string error_kind(const TableRow& row) {
+    const Field share = bias_share_field(row);
+    const auto [value, detail] = text_of(share, " %");
+    switch (share.state) {
+        case State::unbiased:
+            return "noise: the method is unbiased";
+        case State::below:
+            // The scatter of few seeds may put the whole interval below zero.
+            if (share.value < 0.005) return "noise; no bias found";
+            return fmt::format("{}bias {} of the squared error",
+                               share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
+        case State::measured:
+            return share.interval->lo >= 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
+                                             : fmt::format("{}noise; bias is {} of the squared error, {}",
+                                                           share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
+        case State::cannot_be_told:
+            return row.statistics->bias2 && row.statistics->bias2->interval ? "bias or noise: not resolved"
+                                                                            : "bias or noise: two seeds would tell";
+        default:
+            return "";
+    }
+}
+
+std::string words_of(const Doubts& doubts) {
+    std::string text;
+    if (!doubts.ties.empty()) text = doubts.one_seed ? "one seed does not tell" : "tie with " + named(doubts.ties);
+    if (!doubts.open.empty()) text += (text.empty() ? "not run longer: " : "; not run longer: ") + named(doubts.open);
+    return text;
+}
+
+std::string doubts(const std::vector<Contender>& ranking) {
+    const Contender* best = best_of(ranking);
+    return best ? words_of(doubts_about(best->method, ranking)) : "";
+}
+
+SceneLook scene_look(const Analysis& analysis, const std::string& scene) {
+    const Contest contest(analysis, scene);
+    if (contest.methods() == 0) return {};
+    SceneLook all{contest.equal_time()};
+    const auto ranking = contest.after(all.seconds);
+    const bool has_best = contest.is_judged() && ranking.size() > 1;
+    for (const Contender& c : ranking) {
+        const auto look = std::ranges::find_if(analysis.looks,
+                                               [&](const auto& l) { return l.scene == scene && l.method == c.method; });
+        const TableRow* total = analysis.row(scene, c.method, Layer::total);
+        if (look == analysis.looks.end() || !total) continue;
+        const bool is_late = c.standing == Standing::no_image;
+        all.methods.push_back(
+            {.look = *look,
+             .standing = has_best || is_late ? c.standing : Standing::open,
+             .error = error_of(c, *total),
+             .beside = has_best ? beside_text(ranking, c) : "",
+             .flip = look->flip && !is_late ? measured(*look->flip) : Field{},
+             .kind = error_kind(*total),
+             .missing = left_out(*total),
+             .energy = different_energy(analysis, *look),
+             .shown = fmt::format("{}{} pass{}, {} s", look->is_final ? "final image, " : "", look->passes,
+                                  look->passes == 1 ? "" : "es", short_number(look->seconds))});
+    }
+    return all;
+}
+
+std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& scene) {
+    return Answers(analysis, scene).verdict();
+}
+
+ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target) {
+    return Answers(analysis, scene).short_answer(target);
+}
+
+std::string sentence_of(const Warning& warning) {
+    const bool is_reference = warning.kind == Warning::Kind::reference_contradicted;
+    const std::string help =
+        warning.command.empty()
+            ? ""
+            : fmt::format(
+                  " `{}` {}.", warning.command,
+                  is_reference ? "makes a better one, to be given as `image` of `[reference]`" : "measures it again");
+    return fmt::format("Warning: {}.{}", warning.sentence, help);
+}
+
+}  // namespace gib
