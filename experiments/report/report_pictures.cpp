@@ -25,6 +25,41 @@ using nlohmann::json;
 
 namespace {
 
+std::string deflated_text(const std::vector<std::uint8_t>& bytes) {
+    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+    std::vector<std::uint8_t> packed(size);
+    if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK)
+        throw RunError("an image cannot be compressed for the report");
+    packed.resize(size);
+    return base64(packed);
+}
+
+/// Appends rows of `width` bytes as differences to the left neighbour.
+void append_differences(std::span<const std::uint8_t> plane, int width, std::vector<std::uint8_t>& out) {
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+        const unsigned left = i % static_cast<std::size_t>(width) == 0 ? 0u : plane[i - 1];
+        out.push_back(static_cast<std::uint8_t>(plane[i] - left));
+    }
+}
+
+/// The exponent of the power of two that brings the largest finite value to [2^14, 2^15); halves end at 65504.
+int scale_exponent(std::span<const float> values) {
+    float largest = 0;
+    for (const float v : values)
+        if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+    if (largest == 0) return 0;
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    return 15 - exponent;
+}
+
+/// Packs one byte a pixel, as differences to the left neighbour like the high bytes of pack_half().
+PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height) {
+    std::vector<std::uint8_t> bytes;
+    append_differences(values, width, bytes);
+    return {.width = width, .height = height, .channels = 1, .bytes = true, .text = deflated_text(bytes)};
+}
+
 /// The elements of the page that hold images; equal ones are stored once.
 class Store {
 public:
@@ -273,41 +308,6 @@ std::string note_of(const json& scenes, const std::vector<PackedFrame>& frames, 
         note += fmt::format("To keep the page small, images on the way are those after 1, {}, {}, ... passes. ",
                             1u << octaves, 1u << (2 * octaves));
     return note;
-}
-
-std::string deflated_text(const std::vector<std::uint8_t>& bytes) {
-    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-    std::vector<std::uint8_t> packed(size);
-    if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 6) != Z_OK)
-        throw RunError("an image cannot be compressed for the report");
-    packed.resize(size);
-    return base64(packed);
-}
-
-/// Appends rows of `width` bytes as differences to the left neighbour.
-void append_differences(std::span<const std::uint8_t> plane, int width, std::vector<std::uint8_t>& out) {
-    for (std::size_t i = 0; i < plane.size(); ++i) {
-        const unsigned left = i % static_cast<std::size_t>(width) == 0 ? 0u : plane[i - 1];
-        out.push_back(static_cast<std::uint8_t>(plane[i] - left));
-    }
-}
-
-/// The exponent of the power of two that brings the largest finite value to [2^14, 2^15); halves end at 65504.
-int scale_exponent(std::span<const float> values) {
-    float largest = 0;
-    for (const float v : values)
-        if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
-    if (largest == 0) return 0;
-    int exponent = 0;
-    std::frexp(largest, &exponent);
-    return 15 - exponent;
-}
-
-/// Packs one byte a pixel, as differences to the left neighbour like the high bytes of pack_half().
-PackedImage pack_bytes(std::span<const std::uint8_t> values, int width, int height) {
-    std::vector<std::uint8_t> bytes;
-    append_differences(values, width, bytes);
-    return {.width = width, .height = height, .channels = 1, .bytes = true, .text = deflated_text(bytes)};
 }
 
 }  // namespace
