@@ -60,9 +60,8 @@ void add_resolution(CLI::App* command, std::optional<std::pair<int, int>>& resol
                                               "WIDTHxHEIGHT: size of the image in pixels, instead of the film's");
 }
 
-/// The scene, and the options that decide how its file is loaded.
-void add_scene(CLI::App* command, std::string& scene, SceneLoadOptions& loading) {
-    command->add_option("SCENE", scene, scene_help)->required();
+/// The options that decide how a scene file is loaded.
+void add_loading(CLI::App* command, SceneLoadOptions& loading) {
     const auto set = [&loading](const std::vector<std::string>& texts) { loading.parameters = assignments(texts); };
     may_be_repeated(command->add_option_function<std::vector<std::string>>(
         "--set", set, "NAME=VALUE: sets a $parameter of the scene file"));
@@ -82,12 +81,12 @@ CLI::Validator seed_text() {
         "SEED");
 }
 
-/// The options of a command that computes something of one scene.
+/// The last options of a command that computes something of one scene.
 void add_job(CLI::App* command, SceneJob& job, const char* out_help,
              const char* seed_help = "seed of the random numbers (default 1)") {
     command->add_option("--seed", job.seed, seed_help)->check(seed_text());
     add_threads(command, job.threads);
-    add_scene(command, job.scene, job.loading);
+    add_loading(command, job.loading);
     command->add_option("-o,--out", job.out, out_help)->required();
 }
 
@@ -184,6 +183,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
 void add_render(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "render a scene once");
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method, "name and parameters of the method, such as \"path spp=64\"")
         ->required();
     add_job(command, *options, "the image (EXR)");
@@ -198,6 +198,7 @@ void add_reference(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReferenceOptions>();
     options->method = auto_reference;
     CLI::App* command = app.add_subcommand("reference", "make a reference with a known error, or add samples to one");
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option(
         "--method", options->method,
         "name and parameters of the method, without spp (default \"auto\", which combines all unbiased methods)");
@@ -257,9 +258,10 @@ void add_plan(CLI::App& app, Action& action) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
         "plan", "show which light transport a scene calls for, and what a method simulates and leaves out");
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command->add_option("--method", options->method,
                         "name of the method, with or without parameters (default: every method)");
-    add_scene(command, options->scene, options->loading);
+    add_loading(command, options->loading);
     perform_with(options, command, action,
                  [](const auto& o) { return print_plan(o.scene, o.method, o.loading, std::cout); });
 }
@@ -325,6 +327,7 @@ void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
         "photons", "write a page that shows photons, irradiance records or radiosity patches in the scene in 3D");
+    command->add_option("SCENE", options->scene, scene_help)->required();
     command
         ->add_option("--method", options->method,
                      "name and parameters of a method that stores light, such as \"photon_mapper photons=1e5\", "
