@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 
 namespace gib {
 
@@ -26,6 +28,29 @@ Eigen::Matrix3d normal_matrix(const Mat4d& to_world) {
         lengths[i] = to_world.block<3, 1>(0, i).stableNorm();
     // (U D)^-T = U^-T D^-1. The inverse of D may leave double's range; the multiple of it used here does not.
     return unit.inverse().transpose() * Vec3d(lengths.minCoeff() / lengths.array()).asDiagonal();
+}
+
+struct FaceCorner {
+    std::size_t face, index;  ///< the index is 0, 1 or 2
+    Vec3d normal;             ///< normal of the face, unit or zero
+    double angle;             ///< angle at the corner [radians]
+};
+
+/// Calls visit(corner) for the corners of all faces.
+template <typename Visit>
+void for_each_corner(const MeshData& mesh, const Visit& visit) {
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+        Vec3d v[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            v[i] = mesh.positions[mesh.triangles[f][i]];
+        const Vec3d n = (v[1] - v[0]).cross(v[2] - v[0]), unit = unit_or_zero(n);
+        const double length = n.stableNorm();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
+            // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
+            visit(FaceCorner{f, i, unit, std::atan2(length, a.dot(b))});
+        }
+    }
 }
 
 }  // namespace
@@ -58,23 +83,52 @@ void compute_normals(MeshData& mesh) {
     if (!mesh.normals.empty() && std::none_of(mesh.normals.begin(), mesh.normals.end(), missing)) return;
     const FloatTrapsPaused paused;  // places that overflowed in a transform are refused once the whole scene is known
     std::vector<Vec3d> sums(mesh.positions.size(), Vec3d::Zero());
-    for (const auto& triangle : mesh.triangles) {
-        Vec3d v[3];
-        for (std::size_t i = 0; i < 3; ++i)
-            v[i] = mesh.positions[triangle[i]];
-        const Vec3d n = (v[1] - v[0]).cross(v[2] - v[0]);
-        const double length = n.stableNorm();
-        if (!(length > 0)) continue;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3d a = v[(i + 1) % 3] - v[i], b = v[(i + 2) % 3] - v[i];
-            // |a x b| is the same at all three corners; an arc cosine would lose half of the digits of a small angle.
-            // The angle is not divided by the length: near double's smallest number the quotient would be infinite.
-            sums[triangle[i]] += std::atan2(length, a.dot(b)) * unit_or_zero(n);
-        }
-    }
+    for_each_corner(mesh, [&](const FaceCorner& corner) {
+        sums[mesh.triangles[corner.face][corner.index]] += corner.angle * corner.normal;
+    });
     mesh.normals.resize(mesh.positions.size(), Vec3::Zero());
     for (std::size_t i = 0; i < sums.size(); ++i)
         if (missing(mesh.normals[i])) mesh.normals[i] = unit_or_zero(sums[i]).cast<float>();
+}
+
+void compute_normals_between_creases(MeshData& mesh, double angle) {
+    const FloatTrapsPaused paused;  // places that overflowed in a transform are refused once the whole scene is known
+    const double least_cosine = std::cos(angle * std::numbers::pi / 180);
+    MeshData parted;
+    parted.attributes = mesh.attributes;
+    for (MeshAttribute& attribute : parted.attributes)
+        if (!attribute.per_face) attribute.values.clear();
+    parted.triangles.resize(mesh.triangles.size());
+    std::map<std::array<double, 3>, std::vector<FaceCorner>> corners_by_place;
+    for_each_corner(mesh, [&](const FaceCorner& corner) {
+        const Vec3d& p = mesh.positions[mesh.triangles[corner.face][corner.index]];
+        corners_by_place[{p.x(), p.y(), p.z()}].push_back(corner);
+    });
+    for (const auto& [place, corners] : corners_by_place) {
+        // A vertex of the new mesh: its normal, and the old vertex, whose uv it has.
+        std::map<std::pair<std::uint32_t, std::array<float, 3>>, std::uint32_t> vertices;
+        for (const FaceCorner& corner : corners) {
+            Vec3d sum = Vec3d::Zero();
+            for (const FaceCorner& other : corners)
+                if (other.normal.dot(corner.normal) > least_cosine || &other == &corner)
+                    sum += other.angle * other.normal;
+            const Vec3 normal = (sum.isZero(0) ? sum : Vec3d(sum.stableNormalized())).cast<float>();
+            const std::uint32_t old = mesh.triangles[corner.face][corner.index];
+            const auto [vertex, is_new] =
+                vertices.emplace(std::pair(old, std::array<float, 3>{normal.x(), normal.y(), normal.z()}),
+                                 static_cast<std::uint32_t>(parted.positions.size()));
+            if (is_new) {
+                parted.positions.push_back(mesh.positions[old]);
+                parted.normals.push_back(normal);
+                if (!mesh.uvs.empty()) parted.uvs.push_back(mesh.uvs[old]);
+                for (std::size_t i = 0; i < mesh.attributes.size(); ++i)
+                    if (!mesh.attributes[i].per_face)
+                        parted.attributes[i].values.push_back(mesh.attributes[i].values[old]);
+            }
+            parted.triangles[corner.face][corner.index] = vertex->second;
+        }
+    }
+    mesh = std::move(parted);
 }
 
 }  // namespace gib

@@ -1,6 +1,7 @@
 #pragma once
 // Triangles of a mesh file or a built-in shape. They are in double until the scene's origin is known.
 
+#include "common/core/load_warnings.h"
 #include "common/core/math.h"
 
 #include <array>
@@ -33,8 +34,11 @@ struct MeshData {
     std::vector<Vec2> uvs;  ///< coordinates per vertex, or empty
     std::vector<MeshAttribute> attributes;
     std::vector<MaterialRun> materials;  ///< in the order of the triangles; those before the first run have no name
-    std::vector<std::string> warnings;   ///< about what the reader passed over, each with its place in the file
+    LoadWarnings warnings;               ///< about what the reader passed over
 };
+
+/// The warning of faces without area.
+inline constexpr const char* short_face = "faces of fewer than three corners are left out, the first here";
 
 /// Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Other statements of the format are passed over, and so is any
 /// unknown one, with a warning at the first of each name. A backslash at the end of a line joins the next one to it.
@@ -72,5 +76,10 @@ void transform_mesh(MeshData& mesh, const Mat4d& to_world);
 /// (Thuermer and Wuethrich 1998, "Computing vertex normals from polygonal facets", JGT 3(1)). Vertices whose faces
 /// have no area keep zero normals.
 void compute_normals(MeshData& mesh);
+
+/// Replaces all normals: at each corner of a face, the mean of the normals of those faces around the same place that lean
+/// away from this face by less than `angle` [degrees], weighted as by compute_normals(). Vertices are parted where that
+/// gives unlike normals at a place. This is the max_smooth_angle of Mitsuba 0.6 (its documentation of the plugin obj).
+void compute_normals_between_creases(MeshData& mesh, double angle);
 
 }  // namespace gib

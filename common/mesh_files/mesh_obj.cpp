@@ -6,7 +6,6 @@
 #include "common/mesh_files/polygon.h"
 
 #include <algorithm>
-#include <set>
 
 namespace gib {
 
@@ -45,7 +44,6 @@ public:
         for (; !cursor_.at_end(); end_statement())
             parse_statement();
         if (mesh_.triangles.empty()) throw InputError(cursor_.location(), "the mesh is empty: it has no faces");
-        short_faces_.warn(mesh_.warnings);
         collect_vertices();
         triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
@@ -76,12 +74,9 @@ private:
             parse_face();
         } else if (keyword == "usemtl") {
             mesh_.materials.push_back({mesh_.triangles.size(), rest_of_line()});
-        } else if (std::ranges::find(passed_over, keyword) == std::end(passed_over) &&
-                   unknown_.insert(keyword).second) {
-            mesh_.warnings.push_back(
-                format_location(cursor_.marked(), fmt::format("unknown word '{}': lines that start with it are passed "
-                                                              "over",
-                                                              keyword)));
+        } else if (std::ranges::find(passed_over, keyword) == std::end(passed_over)) {
+            mesh_.warnings.add(cursor_.marked(),
+                               fmt::format("unknown word '{}': lines that start with it are passed over", keyword));
         }
     }
 
@@ -109,7 +104,7 @@ private:
             if (corners >= 2) mesh_.triangles.push_back({first, previous, vertex});
             previous = vertex;
         }
-        if (corners < 3) short_faces_.add(cursor_.location());
+        if (corners < 3) mesh_.warnings.add(cursor_.location(), short_face);
         if (corners > 3) fans_.push_back({first_triangle, corners});
     }
 
@@ -175,8 +170,6 @@ private:
     std::vector<std::uint32_t> first_of_position_;  ///< the first vertex at a position
     std::vector<std::uint32_t> next_;               ///< the next vertex at the same position
     std::vector<Fan> fans_;
-    std::set<std::string_view> unknown_;  ///< words that were warned of
-    ShortFaces short_faces_;
     bool has_uvs_ = false, has_normals_ = false;
     MeshData mesh_;
 };

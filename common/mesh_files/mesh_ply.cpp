@@ -201,61 +201,49 @@ private:
     std::vector<Element> elements_;
 };
 
-/// Reads the values of an ascii body.
-class AsciiReader {
+/// Reads the values of a body.
+class Body {
 public:
-    explicit AsciiReader(TextCursor& cursor) : cursor_(cursor) {}
+    /// `cursor` stands behind the header of `content`.
+    Body(std::string_view content, TextCursor& cursor, const Header& header)
+        : content_(content), cursor_(cursor), header_(header), at_(cursor.offset()) {}
 
     double read(const Type& type) {
-        cursor_.skip_space();
-        cursor_.require_more();
-        cursor_.mark();
-        return type.is_float ? cursor_.number() : static_cast<double>(cursor_.integer());
-    }
-    /// The place of the last value.
-    SourceLocation location() const { return cursor_.marked(); }
-    std::string place() const { return ""; }
-    void finish() {
-        cursor_.skip_space();
-        if (!cursor_.at_end()) throw InputError(cursor_.location(), "more data than the PLY header says");
-    }
-
-private:
-    TextCursor& cursor_;
-};
-
-/// Reads the values of a binary body.
-class BinaryReader {
-public:
-    BinaryReader(std::string_view content, std::size_t offset, const Header& header)
-        : content_(content),
-          at_(offset),
-          header_(header),
-          order_(header.format == Format::big_endian ? std::endian::big : std::endian::little) {}
-
-    double read(const Type& type) {
+        if (is_ascii()) {
+            cursor_.skip_space();
+            cursor_.require_more();
+            cursor_.mark();
+            return type.is_float ? cursor_.number() : static_cast<double>(cursor_.integer());
+        }
         if (content_.size() - at_ < type.size)
             reject(header_.end, "truncated: the file ends at byte {} before its data", content_.size());
         at_ += type.size;
-        return type.read(content_.data() + at_ - type.size, order_);
+        return type.read(content_.data() + at_ - type.size,
+                         header_.format == Format::big_endian ? std::endian::big : std::endian::little);
     }
-    SourceLocation location() const { return header_.end; }
-    std::string place() const { return fmt::format(", before byte {}", at_); }
-    void finish() const {
-        if (at_ != content_.size()) reject(header_.end, "more data than the PLY header says, from byte {}", at_);
+    /// The place of the last value.
+    SourceLocation location() const { return is_ascii() ? cursor_.marked() : header_.end; }
+    std::string place() const { return is_ascii() ? "" : fmt::format(", before byte {}", at_); }
+    void finish() {
+        if (is_ascii()) cursor_.skip_space();
+        const bool at_end = is_ascii() ? cursor_.at_end() : at_ == content_.size();
+        if (!at_end)
+            reject(is_ascii() ? cursor_.location() : header_.end, "more data than the PLY header says{}",
+                   is_ascii() ? "" : fmt::format(", from byte {}", at_));
     }
 
 private:
+    bool is_ascii() const { return header_.format == Format::ascii; }
+
     std::string_view content_;
-    std::size_t at_;
+    TextCursor& cursor_;
     const Header& header_;
-    std::endian order_;
+    std::size_t at_;
 };
 
-template <typename Reader>
 class BodyParser {
 public:
-    BodyParser(const Header& header, Reader& reader) : header_(header), reader_(reader) {}
+    BodyParser(const Header& header, Body body) : header_(header), reader_(body) {}
 
     MeshData parse(std::size_t body_bytes) {
         for (const auto& element : header_.elements) {
@@ -276,7 +264,6 @@ public:
         if (mesh_.triangles.empty()) throw InputError(header_.end, "the mesh is empty: it has no faces");
         // Faces that stand before the vertices could not be checked while they were read.
         if (largest_index_ >= mesh_.positions.size()) index_out_of_range(largest_index_);
-        short_faces_.warn(mesh_.warnings);
         triangulate_fans(mesh_.positions, mesh_.triangles, fans_);
         return std::move(mesh_);
     }
@@ -372,7 +359,7 @@ private:
 
     void read_face(const Property& property) {
         const std::uint64_t count = read_count(*property.count_type);
-        if (count < 3) short_faces_.add(reader_.location());
+        if (count < 3) mesh_.warnings.add(reader_.location(), short_face);
         const std::size_t first_triangle = mesh_.triangles.size();
         std::uint32_t first = 0, previous = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
@@ -394,10 +381,9 @@ private:
     }
 
     const Header& header_;
-    Reader& reader_;
+    Body reader_;
     MeshData mesh_;
     std::vector<Fan> fans_;
-    ShortFaces short_faces_;
     std::uint32_t largest_index_ = 0;
 };
 
@@ -406,13 +392,7 @@ private:
 MeshData parse_ply(std::string_view content, const std::string& file) {
     TextCursor cursor(content, file);
     const Header header = HeaderParser(cursor).parse();
-    const std::size_t body = cursor.bytes_left();
-    if (header.format == Format::ascii) {
-        AsciiReader reader(cursor);
-        return BodyParser(header, reader).parse(body);
-    }
-    BinaryReader reader(content, cursor.offset(), header);
-    return BodyParser(header, reader).parse(body);
+    return BodyParser(header, Body(content, cursor, header)).parse(cursor.bytes_left());
 }
 
 }  // namespace gib

@@ -2,7 +2,6 @@
 
 #include "common/core/float_traps.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -91,14 +90,6 @@ void triangulate_fans(std::span<const Vec3d> positions, std::vector<Triangle>& t
         Polygon polygon(positions, std::span(triangles).subspan(fan.first, fan.corners - 2));
         if (!polygon.is_covered_by_fan()) polygon.cut_ears();
     }
-}
-
-void ShortFaces::warn(std::vector<std::string>& warnings) const {
-    if (count_ == 0) return;
-    warnings.push_back(format_location(
-        first_, count_ == 1
-                    ? "a face of fewer than three corners is left out"
-                    : fmt::format("{} faces of fewer than three corners are left out, the first here", count_)));
 }
 
 }  // namespace gib

@@ -1,13 +1,11 @@
 #pragma once
 // Parts the polygons of mesh files into triangles.
 
-#include "common/core/error.h"
 #include "common/core/math.h"
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace gib {
@@ -27,19 +25,5 @@ struct Fan {
 /// itself, or that has no area, stays a fan. The time is quadratic in the number of corners, cubic at worst.
 void triangulate_fans(std::span<const Vec3d> positions, std::vector<std::array<std::uint32_t, 3>>& triangles,
                       std::span<const Fan> fans);
-
-/// The faces of a file that have fewer than three corners; they have no area and are left out.
-class ShortFaces {
-public:
-    void add(const SourceLocation& where) {
-        if (count_++ == 0) first_ = where;
-    }
-    /// Adds a warning of them, if there are any.
-    void warn(std::vector<std::string>& warnings) const;
-
-private:
-    std::size_t count_ = 0;
-    SourceLocation first_;
-};
 
 }  // namespace gib

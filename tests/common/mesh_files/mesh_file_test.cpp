@@ -85,7 +85,7 @@ TEST(ObjFile, ReadsCarriageReturnsAndNoLastLineEnd) {
 
 TEST(ObjFile, SkipsAByteOrderMark) {
     const MeshData mesh = parse_obj("\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 7\nf 1 2 3\n", "m.obj");
-    EXPECT_TRUE(mesh.warnings.empty());
+    EXPECT_TRUE(mesh.warnings.messages().empty());
     EXPECT_EQ(mesh.positions[0], Vec3d(0, 0, 0));
     EXPECT_DOUBLE_EQ(area_of(mesh), 0.5);
 }
@@ -95,9 +95,9 @@ TEST(ObjFile, WarnsOnceOfAnUnknownWord) {
         "mtllib a.mtl\no a\ng a b\ns 1\nusemtl red\nl 1 2\nv 0 0 0\n  V 1 0 0\nV 1 0 1\nv 1 0 0\nv 0 1 0\n"
         "\xEF\xBB\xBFv 1 1 1\nf 1 2 3\n",
         "m.obj");
-    ASSERT_EQ(mesh.warnings.size(), 2u);
-    EXPECT_EQ(mesh.warnings[0], "m.obj:8:3: unknown word 'V': lines that start with it are passed over");
-    EXPECT_THAT(mesh.warnings[1], StartsWith("m.obj:12:1: unknown word"));
+    ASSERT_EQ(mesh.warnings.messages().size(), 2u);
+    EXPECT_EQ(mesh.warnings.messages()[0], "m.obj:8:3: unknown word 'V': lines that start with it are passed over");
+    EXPECT_THAT(mesh.warnings.messages()[1], StartsWith("m.obj:12:1: unknown word"));
 }
 
 TEST(ObjFile, AWarningAboutAFileOfTwoShapesComesOnce) {
@@ -122,7 +122,7 @@ TEST(ObjFile, JoinsLinesAfterABackslash) {
                                  "3", "v 0 2 0", "f 1 2\\", "3 \\", " 4"})
             text += line + end;
         const MeshData mesh = parse_obj(text, "m.obj");
-        EXPECT_TRUE(mesh.warnings.empty());
+        EXPECT_TRUE(mesh.warnings.messages().empty());
         EXPECT_EQ(mesh.positions.size(), 4u);
         EXPECT_DOUBLE_EQ(area_of(mesh), 4);
     }
@@ -248,10 +248,11 @@ TEST(MeshFiles, FacesOfFewerThanThreeCornersAreLeftOutWithAWarning) {
                        "m.ply");
     for (const MeshData* mesh : {&obj, &ply}) {
         EXPECT_EQ(mesh->triangles, (std::vector<Triangle>{{0, 1, 2}}));
-        ASSERT_EQ(mesh->warnings.size(), 1u);
-        EXPECT_THAT(mesh->warnings[0], HasSubstr("2 faces of fewer than three corners are left out, the first here"));
+        ASSERT_EQ(mesh->warnings.messages().size(), 1u);
+        EXPECT_THAT(mesh->warnings.messages()[0],
+                    HasSubstr("faces of fewer than three corners are left out, the first here"));
     }
-    EXPECT_THAT(obj.warnings[0], StartsWith("m.obj:4:"));
+    EXPECT_THAT(obj.warnings.messages()[0], StartsWith("m.obj:4:"));
 }
 
 TEST(PlyFile, ErrorsNameThePlace) {

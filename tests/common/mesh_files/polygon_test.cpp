@@ -3,7 +3,6 @@
 
 #include "common/mesh_files/polygon.h"
 #include "common/mesh_files/mesh_data.h"
-#include "common/mesh_files/smooth_angle.h"
 #include "common/scene/scene.h"
 #include "tests/support/mesh_area.h"
 #include "tests/support/random.h"
