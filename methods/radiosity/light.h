@@ -18,7 +18,7 @@ struct PatchLight {
     std::vector<double> expected, spread;
     double mean_irradiance = 0;  ///< mean over all patches, including that estimate [W/m^2]
     /// By node: the area to which light gets, which takes the place of A: less than that of the polygon where surfaces
-    /// touch (contacts.h) or where something stands on it [scene units^2].
+    /// touch or where something stands on it [scene units^2].
     std::vector<double> area;
 
     struct Point : SurfacePoint {
@@ -33,9 +33,8 @@ struct PatchLight {
     std::vector<Range> points_of;  ///< by node: the points of a leaf that are not covered; all if all are
     std::uint32_t samples = 0;
 
-    /// A point of a node, chosen by the number u in [0, 1): evenly from the area to which light gets, or from the whole.
+    /// A point of a node, chosen by the number u in [0, 1) evenly from the area to which light gets.
     const Point& open_point(const PatchMesh& mesh, std::uint32_t node, double u) const;
-    const Point& any_point(const PatchMesh& mesh, std::uint32_t node, double u) const;
 };
 
 /// Reflectance of the diffuse lobes at a hit seen from wo, in [0, 1]; 0 where there are none. If the diffuse lobes
