@@ -205,22 +205,11 @@ SurfaceHit Charts::surface_at(const Chart& chart, const Vec2d& uv) const {
         p = to_scene(point_of(shape, chart.lower + uv.cwiseProduct(chart.upper - chart.lower)), chart.instance);
     } else {
         const auto& mesh = std::get<Mesh>(shape);
-        const auto place = [&](std::uint32_t primitive) {
-            const auto& t = mesh.triangles[primitive];
-            const auto corner = [&](std::size_t k) {
-                return to_scene(mesh.vertex(t[k]).cast<double>(), chart.instance);
-            };
-            return barycentric(corner(0), corner(1) - corner(0), corner(2) - corner(0), p);
+        if (uv.x() > uv.y()) at.primitive = chart.second;  // the half with the corner at (1, 0)
+        const auto corner = [&](std::size_t k) {
+            return to_scene(mesh.vertex(mesh.triangles[at.primitive][k]).cast<double>(), chart.instance);
         };
-        const auto outside = [](const Vec2d& b) { return std::max({-b.x(), -b.y(), b.x() + b.y() - 1}); };
-        Vec2d b = place(chart.primitive);
-        if (outside(b) > 0) {
-            const Vec2d other = place(chart.second);
-            if (outside(other) < outside(b)) {
-                b = other;
-                at.primitive = chart.second;
-            }
-        }
+        const Vec2d b = barycentric(corner(0), corner(1) - corner(0), corner(2) - corner(0), p);
         at.u = static_cast<float>(b.x());
         at.v = static_cast<float>(b.y());
     }

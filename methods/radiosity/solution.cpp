@@ -14,6 +14,9 @@ namespace {
         "reflectances below 1");
 }
 
+/// a / b, and 0 where b is not above 0.
+Colord quotient(const Colord& a, const Colord& b) { return (b > 0).select(a / b.max(1e-300), Colord(Colord::Zero())); }
+
 /// Throws InputError if a closed scene absorbs too little of a channel in which there is light.
 void require_absorption(const RadiositySystem& system, const Colord& first_power) {
     if (!system.is_closed()) return;
@@ -41,8 +44,7 @@ RadiositySolution::RadiositySolution(const RadiositySystem& system, RadiositySol
 }
 
 double RadiositySolution::share_of_first(const PatchColors& values) const {
-    const Colord power = system_.power(values);
-    return (first_power_ > 0).select(power / first_power_.max(1e-300), Colord(Colord::Zero())).maxCoeff();
+    return quotient(system_.power(values), first_power_).maxCoeff();
 }
 
 void RadiositySolution::sweep() {
@@ -73,10 +75,8 @@ PatchColors RadiositySolution::reflected(PatchColors X) const {
 
 Colord RadiositySolution::product(const PatchColors& a, const PatchColors& b) const {
     Colord sum = Colord::Zero();
-    for (const std::uint32_t leaf : system_.leaves()) {
-        const Colord& rho = system_.reflectance(leaf);
-        sum += (rho > 0).select(system_.area(leaf) * a[leaf] * b[leaf] / rho.max(1e-300), Colord(Colord::Zero()));
-    }
+    for (const std::uint32_t leaf : system_.leaves())
+        sum += quotient(system_.area(leaf) * a[leaf] * b[leaf], system_.reflectance(leaf));
     return sum;
 }
 
@@ -94,13 +94,12 @@ void RadiositySolution::iterate() {
             kept[leaf] -= reflections[leaf];
         const Colord energy = product(directions_, kept);
         if ((before > 0 && energy <= 0).any()) refuse_to_reflect_for_ever();
-        const Colord step = (before > 0).select(before / energy.max(1e-300), Colord(Colord::Zero()));
+        const Colord step = quotient(before, energy);
         for (const std::uint32_t leaf : system_.leaves()) {
             X_[leaf] += step * directions_[leaf];
             residuals_[leaf] -= step * kept[leaf];
         }
-        const Colord ratio =
-            (before > 0).select(product(residuals_, residuals_) / before.max(1e-300), Colord(Colord::Zero()));
+        const Colord ratio = quotient(product(residuals_, residuals_), before);
         for (const std::uint32_t leaf : system_.leaves())
             directions_[leaf] = residuals_[leaf] + ratio * directions_[leaf];
         residual_ = share_of_first(residuals_);
