@@ -5,7 +5,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <type_traits>
@@ -85,7 +87,11 @@ inline constexpr float unit_roundoff = 0x1p-24f;
 inline float sqr(float x) { return x * x; }
 inline double sqr(double x) { return x * x; }
 inline float safe_sqrt(float x) { return std::sqrt(std::max(x, 0.f)); }
-inline bool is_black(const Color& c) { return c[0] == 0.f && c[1] == 0.f && c[2] == 0.f; }
+/// Whether all channels are 0, by their bits without the signs: one branch instead of three that cannot be predicted.
+inline bool is_black(const Color& c) {
+    const auto bits = [&](int i) { return std::bit_cast<std::uint32_t>(c[i]); };
+    return ((bits(0) | bits(1) | bits(2)) & 0x7fffffffu) == 0;
+}
 inline float luminance(const Color& c) { return 0.212671f * c[0] + 0.715160f * c[1] + 0.072169f * c[2]; }
 
 /// A right-handed orthonormal basis whose third axis is the unit vector `n`, computed without a branch

@@ -4,9 +4,25 @@
 
 #include <fmt/format.h>
 
+#include <bit>
+#include <cstdint>
 #include <stdexcept>
 
 namespace gib {
+
+namespace {
+
+/// Whether all numbers are finite, by their exponents: one branch for all of them.
+bool is_finite(const PixelSample& sample) {
+    constexpr std::uint32_t exponent = 0x7f800000u;
+    bool all = true;
+    for (const Color& part : sample.parts)
+        for (int k = 0; k < 3; ++k)
+            all &= (std::bit_cast<std::uint32_t>(part[k]) & exponent) != exponent;
+    return all;
+}
+
+}  // namespace
 
 Film::Film(int width, int height, const std::vector<Component>& accumulated, const std::vector<Component>& black)
     : width_(width), height_(height), black_(black) {
@@ -22,13 +38,10 @@ Film::Film(int width, int height, const std::vector<Component>& accumulated, con
 }
 
 void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample) {
+    if (!is_finite(sample)) return non_finite_.note(pass, pixel);
     for (std::size_t c = 0; c < sums_.size(); ++c) {
         if (is_black(sample.parts[c])) continue;
         if (sums_[c].empty()) throw std::logic_error("a sample holds light of a component that the plan left out");
-        if (!sample.parts[c].isFinite().all()) return non_finite_.note(pass, pixel);
-    }
-    for (std::size_t c = 0; c < sums_.size(); ++c) {
-        if (is_black(sample.parts[c])) continue;
         for (std::size_t k = 0; k < 3; ++k)
             sums_[c][3 * pixel + k] += static_cast<double>(sample.parts[c][static_cast<Eigen::Index>(k)]);
     }

@@ -66,15 +66,19 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Shape& shap
     const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
     const double d = double{cone.distance}, r = double{std::get<Sphere>(shape).radius};
     const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
-    const Vec3d n = Vec3d(t * x, t * y, -d * sin2 - inside * cosine).normalized();
-    const SurfaceGeometry q = place_on_sphere(light, shape, frame.to_world(n.cast<float>()));
-    return LightSample{.wi = wi,
-                       .distance = static_cast<float>(t),
-                       .Le = light.radiance_at(q.uv),
-                       .pdf_w = 1.f / cone.solid_angle(),
-                       .delta = false,
-                       .cos_light = std::max(-wi.dot(q.ng), 0.f),
-                       .target = shadow_ray_target(q, p)};
+    const double nx = t * x, ny = t * y, nz = -d * sin2 - inside * cosine;
+    const double length = std::sqrt((sqr(nx) + sqr(ny)) + sqr(nz));
+    const Vec3 n(static_cast<float>(nx / length), static_cast<float>(ny / length), static_cast<float>(nz / length));
+    const SurfaceGeometry q = place_on_sphere(light, shape, frame.to_world(n));
+    std::optional<LightSample> sample(std::in_place);  // member by member, as in seen_from_front()
+    sample->wi = wi;
+    sample->distance = static_cast<float>(t);
+    sample->Le = light.radiance_at(q.uv);
+    sample->pdf_w = 1.f / cone.solid_angle();
+    sample->delta = false;
+    sample->cos_light = std::max(-wi.dot(q.ng), 0.f);
+    sample->target = shadow_ray_target(q, p);
+    return sample;
 }
 
 /// A sample of a light at infinity, whose shadow ray ends past all surfaces.
@@ -94,6 +98,7 @@ struct LightSampler {
     const Vec2& u;
 
     std::optional<LightSample> operator()(const AreaLight& light) const {
+        if (light.is_plain_mesh()) return seen_from_front(light, light.surface.sample_facets(u), light.radiance);
         const Shape& shape = shapes[light.shape];
         if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, shape, *cone, p, u);
         if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
@@ -177,6 +182,10 @@ struct EmissionSampler {
     const Vec2& u_direction;
 
     EmissionSample operator()(const AreaLight& light) const {
+        if (light.is_plain_mesh()) {
+            const SurfacePoint q = light.surface.sample_facets(u_position);
+            return emitted_from(light, q, Frame(q.ng), light.radiance);
+        }
         const Shape& shape = shapes[light.shape];
         if (const auto* sphere = std::get_if<Sphere>(&shape)) return from_sphere(light, *sphere);
         if (!light.texture) return from_surface(light, light.surface.sample(shape, u_position), light.radiance);
@@ -223,7 +232,10 @@ private:
     EmissionSample from_surface(const AreaLight& light, const SurfacePoint& q, const Color& Le) const {
         // Around a cylinder the frame must turn with the normal: Frame's axes jump where n.z changes its sign.
         const auto* cylinder = std::get_if<Cylinder>(&shapes[light.shape]);
-        const Frame frame = cylinder ? frame_along(q.ng, cylinder->axis) : Frame(q.ng);
+        return emitted_from(light, q, cylinder ? frame_along(q.ng, cylinder->axis) : Frame(q.ng), Le);
+    }
+    EmissionSample emitted_from(const AreaLight& light, const SurfacePoint& q, const Frame& frame,
+                                const Color& Le) const {
         const Vec3 w = frame.to_world(square_to_cosine_hemisphere(u_direction));
         return {Ray{offset_origin(q, w), w}, power_of_area(light, Le), q.ng};
     }

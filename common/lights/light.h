@@ -41,6 +41,8 @@ struct AreaLight {
     AreaSampler surface;
 
     Color radiance_at(const TexturePoint& at) const { return texture ? texture->color(at) : radiance; }
+    /// Whether it is a mesh of constant radiance, by far the most common light, whose samples are made inline.
+    bool is_plain_mesh() const { return surface.has_facets() && !texture; }
 };
 
 /// `intensity` [W/sr] in every direction.

@@ -71,6 +71,9 @@ public:
         std::uint32_t light;
         float probability;
     };
+    /// Whether there are several lights to choose from. If not, only the position of a LitPoint takes part.
+    bool chooses() const { return !only_; }
+    std::uint32_t only() const { return *only_; }
     /// Chooses a light by u in [0, 1). Empty if no light was found that can reach the point: that sample is 0.
     std::optional<Choice> choose(const LitPoint& at, float u) const {
         if (only_) return Choice{*only_, 1.f};

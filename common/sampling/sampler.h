@@ -202,6 +202,16 @@ public:
         return {all[0], all[1]};
     }
 
+    /// The dimensions with which a path starts, 0 to 2, at once.
+    std::array<Vec2, 3> at_start() const {
+        if (store_) [[unlikely]] {
+            const EightFloats b = store_->block(sequence_key_.whole(), 0);
+            return {Vec2(b[2], b[3]), Vec2(b[4], b[5]), Vec2(b[6], b[7])};
+        }
+        const EightFloats n = numbers_from(0);
+        return {Vec2(n[0], n[1]), Vec2(n[2], n[3]), Vec2(n[4], n[5])};
+    }
+
     /// All dimensions of a vertex at once, as get_2d() returns them one by one.
     VertexNumbers at_vertex(int vertex) const {
         if (store_) [[unlikely]]

@@ -51,6 +51,7 @@ Scene::Scene(SceneParts parts)
 
     light_choice_ = light_choice(lights_);
     light_tree_ = LightTree(lights_, shapes_);
+    resolve_surfaces();
     accelerator_ = std::make_unique<Accelerator>(shapes_, groups_);
 }
 
@@ -105,25 +106,41 @@ void Scene::add_light(Light&& light, const BoundingSphere& sphere) {
     lights_.push_back(std::move(light));
 }
 
+void Scene::resolve_surfaces() {
+    const std::size_t outside_groups = groups_.begin.empty() ? shapes_.size() : groups_.begin[0];
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+        Surface& surface = surfaces_[i];
+        const Material& material = materials_[surface.material];
+        if (!material.follows_uv()) surface.bsdf = material.constant();
+        if (surface.light != no_light) surface.emitter = &std::get<AreaLight>(lights_[surface.light]);
+        const auto* mesh = std::get_if<Mesh>(&shapes_[i]);
+        if (mesh && i < outside_groups && mesh->normals.empty() && !surface.uses_uv)
+            surface.facets = mesh->facets.data();
+    }
+}
+
 std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& i) const {
     const Surface& surface = surfaces_[i.shape];
-    const Material& material = materials_[surface.material];
-    const auto* mesh = i.instance == no_instance ? std::get_if<Mesh>(&shapes_[i.shape]) : nullptr;
-    auto hit = mesh ? std::optional<SurfaceHit>(std::in_place, mesh->surface_at(i.primitive, i.u, i.v))
-                    : std::optional<SurfaceHit>(std::in_place, geometry_at(i, ray, surface.uses_uv));
-    if (!hit->normals_agree_about(ray.d)) {
-        hit->delta_only = true;
-        hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
-    }
-    hit->bsdf = material.constant();
+    std::optional<SurfaceHit> hit;
+    if (surface.facets) hit.emplace(surface.facets[i.primitive].point_at(i.u, i.v), i.primitive, Vec2(i.u, i.v));
+    else place_on_shape(ray, i, hit);
+    hit->bsdf = surface.bsdf;
+    hit->emitter = surface.emitter;
     hit->light = surface.light;
     hit->shape = i.shape;
-    hit->primitive = i.primitive;
     hit->instance = i.instance;
-    if (surface.light != no_light) hit->emitter = &std::get<AreaLight>(lights_[surface.light]);
     hit->shading = Frame(hit->ns);
-    if (!hit->bsdf || material.follows_uv()) resolve_material(material, *hit);
+    if (!hit->bsdf) resolve_material(materials_[surface.material], *hit);
     return hit;
+}
+
+/// The geometry of a hit, with the shading normal that counts for the ray.
+void Scene::place_on_shape(const Ray& ray, const Intersection& i, std::optional<SurfaceHit>& hit) const {
+    hit.emplace(geometry_at(i, ray, surfaces_[i.shape].uses_uv));
+    hit->primitive = i.primitive;
+    if (hit->normals_agree_about(ray.d)) return;
+    hit->delta_only = true;
+    hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
 }
 
 MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {
@@ -145,6 +162,7 @@ MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& 
 void Scene::resolve_material(const Material& material, SurfaceHit& hit) const {
     const MaterialPoint point = material_point(material, hit);
     hit.shading = point.shading;
+    hit.bsdf = material.constant();
     if (!hit.bsdf) hit.take(material.at(point));
 }
 
@@ -165,12 +183,12 @@ bool Scene::has_scattering_media() const {
     return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }
 
-std::optional<LightSample> Scene::sample_chosen(const LightTree::Choice& choice, const LitPoint& at,
+std::optional<LightSample> Scene::sample_chosen(std::uint32_t light, float probability, const Vec3& p,
                                                 const Vec2& u) const {
-    auto sample = gib::sample_light(lights_[choice.light], shapes_, at.p, u);
+    auto sample = gib::sample_light(lights_[light], shapes_, p, u);
     if (sample) {
-        sample->pdf_w *= choice.probability;
-        sample->light = choice.light;
+        sample->pdf_w *= probability;
+        sample->light = light;
     }
     return sample;
 }
@@ -194,7 +212,7 @@ float Scene::light_pdf_w(const LitPoint& at, std::uint32_t light, const SurfaceP
 EmissionSample Scene::sample_emission(float u_choice, const Vec2& u_position, const Vec2& u_direction) const {
     const auto choice = light_choice_.sample(u_choice);
     EmissionSample sample = gib::sample_emission(lights_[choice.index], shapes_, u_position, u_direction);
-    sample.power /= double{choice.probability};
+    if (choice.probability != 1.f) sample.power /= double{choice.probability};
     sample.light = static_cast<std::uint32_t>(choice.index);
     return sample;
 }

@@ -18,7 +18,12 @@ namespace gib {
 /// Where a ray met a surface.
 struct SurfaceHit : SurfaceGeometry {
     explicit SurfaceHit(const SurfaceGeometry& geometry)
-        : SurfaceGeometry(geometry), interpolated(ns), is_flat_(ns == ng || ns == -ng) {}
+        : SurfaceGeometry(geometry), interpolated(geometry.ns), is_flat_(ns == ng || ns == -ng) {}
+    /// On a triangle with its own normal, where nothing depends on uv.
+    SurfaceHit(const SurfacePoint& point, std::uint32_t triangle, const Vec2& of_vertices)
+        : SurfaceGeometry{point, point.ng, of_vertices, triangle, of_vertices},
+          interpolated(point.ng),
+          is_flat_(true) {}
 
     const Bsdf* bsdf = nullptr;
     const AreaLight* emitter = nullptr;  ///< null: not a light
@@ -145,6 +150,10 @@ public:
     SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
+    /// The hit as lights light it, for a viewer in direction wo. Its side is worked out only where it counts.
+    LitPoint lit(const SurfaceHit& hit, const Vec3& wo) const {
+        return light_tree_.chooses() ? hit.lit_for(wo) : LitPoint(hit.p);
+    }
     /// Whether any light emits anything.
     bool has_light() const { return light_choice_.total() > 0; }
     /// How lights are chosen for a point that they may light.
@@ -152,9 +161,10 @@ public:
     /// Chooses a light by what it can do at a point (light_tree.h) and samples a point on it; empty if this cannot be
     /// seen from there.
     std::optional<LightSample> sample_light(const LitPoint& at, float u_choice, const Vec2& u) const {
+        if (!light_tree_.chooses()) return sample_chosen(light_tree_.only(), 1.f, at.p, u);
         const auto choice = light_tree_.choose(at, u_choice);
         if (!choice) return std::nullopt;
-        return sample_chosen(*choice, at, u);
+        return sample_chosen(choice->light, choice->probability, at.p, u);
     }
     /// Density [1/sr] with which sample_light for `at` finds `hit`, which lies on an emitter.
     float light_pdf_w(const LitPoint& at, const SurfaceHit& hit) const;
@@ -188,15 +198,22 @@ private:
         std::uint32_t material;
         std::uint32_t light;
         bool uses_uv;  ///< the material or the emission depends on uv
+        // Resolved when all parts of the scene are in their places:
+        const Bsdf* bsdf = nullptr;           ///< null: to be made at each point, or about a frame that follows uv
+        const AreaLight* emitter = nullptr;   ///< null: not a light
+        const Mesh::Facet* facets = nullptr;  ///< facets of a flat mesh outside of all groups that needs no uv
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
     // Large results are made in place, by functions that return nothing else: a copy waits for all its parts.
-    std::optional<LightSample> sample_chosen(const LightTree::Choice& choice, const LitPoint& at, const Vec2& u) const;
+    std::optional<LightSample> sample_chosen(std::uint32_t light, float probability, const Vec3& p,
+                                             const Vec2& u) const;
     std::optional<SurfaceHit> surface_on(const Ray& ray, const Intersection& i) const;
+    void place_on_shape(const Ray& ray, const Intersection& i, std::optional<SurfaceHit>& hit) const;
     void resolve_material(const Material& material, SurfaceHit& hit) const;
     MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
 
     void add(SceneParts::Object&& object);
+    void resolve_surfaces();
     SurfaceGeometry geometry_at(const Intersection& i, const Ray& ray, bool with_uv) const;
 
     std::vector<Shape> shapes_;

@@ -34,6 +34,11 @@ ReconstructionFilter ReconstructionFilter::gaussian(float stddev) {
         f.cumulative_.push_back(static_cast<float>(integral(-r + 2 * r * i / cells) / integral(r)));
     f.cumulative_.front() = 0.f;
     f.cumulative_.back() = 1.f;
+    for (int i = 0; i < cells; ++i) {
+        const float u = static_cast<float>(i) / cells;
+        const auto above = std::upper_bound(f.cumulative_.begin() + 1, f.cumulative_.end() - 1, u);
+        f.first_.push_back(static_cast<std::uint16_t>(above - f.cumulative_.begin() - 1));
+    }
     return f;
 }
 
@@ -44,11 +49,13 @@ float ReconstructionFilter::sample(float u) const {
 }
 
 float ReconstructionFilter::sample_table(float u) const {
-    const auto it = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, u);
-    const auto cell = static_cast<float>(it - cumulative_.begin() - 1);
-    const float lower = *(it - 1), width = *it - lower;
+    const std::size_t cells = first_.size();
+    std::size_t cell = first_[static_cast<std::size_t>(u * static_cast<float>(cells))];
+    while (cell + 1 < cells && cumulative_[cell + 1] <= u)
+        ++cell;
+    const float lower = cumulative_[cell], width = cumulative_[cell + 1] - lower;
     const float t = width > 0.f ? (u - lower) / width : 0.5f;
-    return ((cell + t) / static_cast<float>(cumulative_.size() - 1) * 2.f - 1.f) * radius_;
+    return ((static_cast<float>(cell) + t) / static_cast<float>(cells) * 2.f - 1.f) * radius_;
 }
 
 float ReconstructionFilter::density(float x) const {
@@ -144,7 +151,8 @@ std::optional<Sensor::View> Sensor::view_of(const Vec3& p, const Vec2& u_lens) c
     if (!(at.z() > 0)) return std::nullopt;
     const bool parallel = is_orthographic();
     const Vec2d c = parallel ? Vec2d(at.head<2>()) : Vec2d(at.head<2>() / at.z());
-    View view;
+    std::optional<View> seen(std::in_place);  // returned as it is, since a copy would wait for its parts
+    View& view = *seen;
     Vec3 d = forward_;
     Vec2 on_film = c.cast<float>();
     if (parallel) {
@@ -161,7 +169,7 @@ std::optional<Sensor::View> Sensor::view_of(const Vec3& p, const Vec2& u_lens) c
     const float per_depth = view.distance / static_cast<float>(at.z());
     view.ray.t_min = near_clip_ * per_depth;
     view.ray.t_max = far_clip_ * per_depth;
-    return view;
+    return seen;
 }
 
 double Sensor::ray_density(const Vec3& w) const {

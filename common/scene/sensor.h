@@ -43,7 +43,8 @@ private:
 
     Shape shape_ = Shape::box;
     float radius_ = 0.5f;
-    std::vector<float> cumulative_;  ///< share of a tabulated filter's integral below each node of [-radius, radius]
+    std::vector<float> cumulative_;     ///< share of a tabulated filter's integral below each node of [-radius, radius]
+    std::vector<std::uint16_t> first_;  ///< by u, in as many steps: the first cell that can hold u
 };
 
 class Sensor {

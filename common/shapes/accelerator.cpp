@@ -63,9 +63,12 @@ std::optional<float> intersect_analytic(const Shape& shape, const Ray& ray) {
     return intersect(std::get<Cylinder>(shape), ray);
 }
 
-Ray ray_of(const RTCRay& r) {
-    return {
-        .o = Vec3(r.org_x, r.org_y, r.org_z), .d = Vec3(r.dir_x, r.dir_y, r.dir_z), .t_min = r.tnear, .t_max = r.tfar};
+/// The ray, multiplied by `scale`.
+Ray ray_of(const RTCRay& r, float scale) {
+    return {.o = Vec3(scale * r.org_x, scale * r.org_y, scale * r.org_z),
+            .d = Vec3(scale * r.dir_x, scale * r.dir_y, scale * r.dir_z),
+            .t_min = r.tnear,
+            .t_max = r.tfar};
 }
 
 /// Writes the ray, multiplied by `scale`, to `r`. Most scales are 1, but a branch for them would not pay. Embree
@@ -159,8 +162,9 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
 template <typename Body>
 void for_each_valid(const int* valid, RTCRayN* rays, unsigned n, float scale, const Body& body) {
     const FloatTrapsResumed resumed;
+    const float back = 1.f / scale;  // exact, as the scale is a power of two
     for (unsigned i = 0; i < n; ++i)
-        if (valid[i]) body(scaled(ray_of(rtcGetRayFromRayN(rays, n, i)), 1.f / scale), i);
+        if (valid[i]) body(ray_of(rtcGetRayFromRayN(rays, n, i), back), i);
 }
 
 void analytic_intersect(const RTCIntersectFunctionNArguments* args) {

@@ -43,7 +43,7 @@ double area_of_triangle(const Mesh& mesh, std::size_t i) { return 0.5 * mesh.nor
 SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
     SurfacePoint s;
     s.p = sphere.center + sphere.radius * direction;
-    s.ng = sphere.flip_normals ? Vec3(-direction) : direction;
+    s.ng = (sphere.flip_normals ? -1.f : 1.f) * direction;
     // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
     s.offset = 8.f * unit_roundoff * (sum_abs(sphere.center) + 3.f * sphere.radius);
     return s;
@@ -63,7 +63,7 @@ SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
 SurfacePoint point_on_cylinder(const Cylinder& cylinder, const Vec3& normal, float v) {
     SurfacePoint s;
     s.p = cylinder.base + v * cylinder.axis + cylinder.radius * normal;
-    s.ng = cylinder.flip_normals ? Vec3(-normal) : normal;
+    s.ng = (cylinder.flip_normals ? -1.f : 1.f) * normal;
     const Vec3 along = cylinder.base.cwiseAbs() + cylinder.axis.cwiseAbs();
     s.offset = gamma(8) * normal.cwiseAbs().dot(along) + gamma(16) * cylinder.radius;
     return s;
@@ -101,17 +101,22 @@ struct Roots {
     double near, far;
 };
 
+// Eigen computes two coordinates at once and waits until these are together in memory.
+Vec3d to_double(const Vec3& v) { return {double{v.x()}, double{v.y()}, double{v.z()}}; }
+double dot(const Vec3d& a, const Vec3d& b) { return (a.x() * b.x() + a.y() * b.y()) + a.z() * b.z(); }
+
 /// The values of t at which |f + t d|^2 = r2, in the form of Haines et al. 2019, which does not cancel. Empty if
 /// there are none, and also if d = 0.
 std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
-    const double a = d.squaredNorm(), b = -f.dot(d);
+    const double a = dot(d, d), b = -dot(f, d);
     if (a == 0) return std::nullopt;
-    const double discriminant = r2 - (f + (b / a) * d).squaredNorm();
+    const Vec3d nearest = f + (b / a) * d;
+    const double discriminant = r2 - dot(nearest, nearest);
     if (!(discriminant >= 0)) return std::nullopt;
     const double q = b + std::copysign(std::sqrt(a * discriminant), b);
     // One root, q / a, does not cancel; the other is the product of the roots divided by it. q is 0 if the line
     // touches at its origin, where both roots are 0.
-    const double first = q == 0 ? 0 : (f.squaredNorm() - r2) / q, second = q / a;
+    const double first = q == 0 ? 0 : (dot(f, f) - r2) / q, second = q / a;
     return first > second ? Roots{second, first} : Roots{first, second};
 }
 
@@ -173,8 +178,8 @@ Mesh::Facet Mesh::facet_of(std::size_t i) const {
             .ng = four(flip_normals ? Vec3(-ng) : ng, least(e3))};
 }
 
-void Mesh::keep_off_edges(const Facet& facet, float& b1, float& b2) {
-    const float least1 = facet.e1[3], least2 = facet.e2[3], room = 1.f - least1 - least2 - facet.ng[3];
+void Mesh::Facet::keep_off_edges(float& b1, float& b2) const {
+    const float least1 = e1[3], least2 = e2[3], room = 1.f - least1 - least2 - ng[3];
     float more1 = std::max(0.f, b1 - least1), more2 = std::max(0.f, b2 - least2);
     const float more = more1 + more2;
     if (more > room) {
@@ -258,8 +263,7 @@ SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool 
 }
 
 std::optional<float> intersect(const Sphere& sphere, const Ray& ray) {
-    const auto roots = meet(ray.o.cast<double>() - sphere.center.cast<double>(), ray.d.cast<double>(),
-                            sqr(static_cast<double>(sphere.radius)));
+    const auto roots = meet(to_double(ray.o) - to_double(sphere.center), to_double(ray.d), sqr(double{sphere.radius}));
     if (!roots) return std::nullopt;
     const double t = roots->near > static_cast<double>(ray.t_min) ? roots->near : roots->far;
     if (!within(ray, t)) return std::nullopt;
@@ -297,10 +301,15 @@ AreaSampler::AreaSampler(const Shape& shape) : area_(static_cast<float>(area_of(
         for (std::size_t i = 0; i < mesh->triangles.size(); ++i)
             areas.push_back(area_of_triangle(*mesh, i));
         triangles_ = DiscreteDistribution(areas);
+        if (!mesh->facets.empty()) facets_ = mesh->facets.data();
     }
 }
 
-SurfacePoint AreaSampler::sample_analytic(const Shape& shape, const Vec2& u) {
+SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
+    if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+        const MeshSample at = sample_mesh(u);
+        return mesh->point_at(at.triangle, at.b.x(), at.b.y());
+    }
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
         const float phi = 2.f * pi * u.y();

@@ -51,15 +51,24 @@ struct Mesh {
         Four v0;      ///< the first vertex ([0] to [2]); the offset of points ([3])
         Four e1, e2;  ///< edges from there to the second and third; least b1, b2 of points ([3])
         Four ng;      ///< the unit normal; the least 1 - b1 - b2 of points ([3])
+
+        /// The point v0 + b1 e1 + b2 e2, kept as far from the edges as rounding can move it: at a point beyond an edge
+        /// of a closed mesh, a ray would start outside the mesh.
+        SurfacePoint point_at(float b1, float b2) const;
+
+    private:
+        /// Moves the weights to the nearest ones, or nearly, that are no less than the least weights.
+        void keep_off_edges(float& b1, float& b2) const;
     };
     HugePageVector<Facet> facets;  ///< made by prepare(); if empty, computed for each point
     /// Makes `facets`. To be called once the other members are final. Throws InputError if there is
     /// not enough memory.
     void prepare();
 
-    /// The point v0 + b1 e1 + b2 e2 of triangle i, kept as far from the edges as rounding can move it: at a point
-    /// beyond an edge of a closed mesh, a ray would start outside the mesh.
-    SurfacePoint point_at(std::size_t i, float b1, float b2) const;
+    /// Facet::point_at() of triangle i.
+    SurfacePoint point_at(std::size_t i, float b1, float b2) const {
+        return facets.empty() ? facet_of(i).point_at(b1, b2) : facets[i].point_at(b1, b2);
+    }
     /// The same point with its shading normal and uv.
     SurfaceGeometry surface_at(std::size_t i, float b1, float b2) const;
 
@@ -69,8 +78,6 @@ struct Mesh {
 
 private:
     Facet facet_of(std::size_t i) const;
-    /// Moves the weights to the nearest ones, or nearly, that are no less than the facet's least weights.
-    static void keep_off_edges(const Facet& facet, float& b1, float& b2);
     /// The unit shading normal, interpolated between the vertex normals; zero if their sum is.
     Vec3 interpolated_normal(std::size_t i, float b1, float b2) const;
 };
@@ -129,7 +136,8 @@ std::optional<float> intersect(const Sphere& sphere, const Ray& ray);
 std::optional<float> intersect(const Disk& disk, const Ray& ray);
 std::optional<float> intersect(const Cylinder& cylinder, const Ray& ray);
 
-/// Samples uniform points on a shape. The constructor prepares what is computed only once.
+/// Samples uniform points on a shape. The constructor prepares what is computed only once; facets that a mesh has by then
+/// must outlive this.
 class AreaSampler {
 public:
     explicit AreaSampler(const Shape& shape);
@@ -138,6 +146,13 @@ public:
     /// The same point as sample(), with its shading normal and uv.
     SurfaceGeometry sample_geometry(const Shape& shape, const Vec2& u) const;
     float area() const { return area_; }
+
+    /// Whether the shape is a mesh that had facets, and then the same point as sample().
+    bool has_facets() const { return facets_; }
+    SurfacePoint sample_facets(const Vec2& u) const {
+        const MeshSample at = sample_mesh(u);
+        return facets_[at.triangle].point_at(at.b.x(), at.b.y());
+    }
 
     /// For a mesh: the triangle that sample() chooses for a first number u, the smallest such number of triangle i,
     /// and the position of u among the numbers of triangle i, from 0 to 1.
@@ -156,22 +171,17 @@ private:
         const auto choice = triangles_.sample(u.x());
         return {choice.index, square_to_triangle(Vec2(choice.u, u.y()))};
     }
-    static SurfacePoint sample_analytic(const Shape& shape, const Vec2& u);
-
-    DiscreteDistribution triangles_;  ///< choice of a mesh's triangle, in proportion to the areas
+    const Mesh::Facet* facets_ = nullptr;  ///< facets of a mesh that has them
+    DiscreteDistribution triangles_;       ///< choice of a mesh's triangle, in proportion to the areas
     float area_;
 };
 
 // The functions below are called for every ray. They are inline, so that the points stay in registers.
 
-inline SurfacePoint Mesh::point_at(std::size_t i, float b1, float b2) const {
-    const auto point = [&](const Facet& facet) -> SurfacePoint {
-        if (b1 < facet.e1[3] || b2 < facet.e2[3] || 1.f - b1 - b2 < facet.ng[3]) keep_off_edges(facet, b1, b2);
-        const Facet::Four p = facet.v0 + (b1 * facet.e1 + b2 * facet.e2);
-        return {Vec3(p[0], p[1], p[2]), Vec3(facet.ng[0], facet.ng[1], facet.ng[2]), facet.v0[3]};
-    };
-    if (facets.empty()) return point(facet_of(i));
-    return point(facets[i]);
+inline SurfacePoint Mesh::Facet::point_at(float b1, float b2) const {
+    if (b1 < e1[3] || b2 < e2[3] || 1.f - b1 - b2 < ng[3]) keep_off_edges(b1, b2);
+    const Four p = v0 + (b1 * e1 + b2 * e2);
+    return {Vec3(p[0], p[1], p[2]), Vec3(ng[0], ng[1], ng[2]), v0[3]};
 }
 
 inline SurfaceGeometry Mesh::surface_at(std::size_t i, float b1, float b2) const {
@@ -192,13 +202,6 @@ inline SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, f
                                   bool with_uv) {
     const auto* mesh = std::get_if<Mesh>(&shape);
     return mesh ? mesh->surface_at(primitive, u, v) : surface_at_analytic(shape, p_ray, with_uv);
-}
-
-inline SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
-    const auto* mesh = std::get_if<Mesh>(&shape);
-    if (!mesh) return sample_analytic(shape, u);
-    const MeshSample at = sample_mesh(u);
-    return mesh->point_at(at.triangle, at.b.x(), at.b.y());
 }
 
 }  // namespace gib

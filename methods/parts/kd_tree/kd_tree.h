@@ -61,6 +61,10 @@ public:
     template <typename Accept>
     std::optional<Neighbour> nearest(const Vec3& p, float max_distance, Accept&& accept) const;
 
+    /// Whether accept(point, distance2) holds for any point with distance2 <= radius^2.
+    template <typename Accept>
+    bool any_within(const Vec3& p, float radius, Accept&& accept) const;
+
     /// Calls visit(point, distance2) for all points with distance2 <= radius^2, in the same order each time.
     template <typename Visit>
     void within(const Vec3& p, float radius, Visit&& visit) const;
@@ -194,6 +198,18 @@ std::optional<Neighbour> KdTree<Point>::nearest(const Vec3& p, float max_distanc
             bound = distance2;
         });
     return nearest;
+}
+
+template <typename Point>
+template <typename Accept>
+bool KdTree<Point>::any_within(const Vec3& p, float radius, Accept&& accept) const {
+    float bound = radius * radius;  // negative from the first such point on, so that the traversal ends
+    traverse(
+        p, [&] { return bound; },
+        [&](std::uint32_t index, float distance2) {
+            if (bound >= 0.f && accept((*this)[index], distance2)) bound = -1.f;
+        });
+    return bound < 0.f;
 }
 
 template <typename Point>

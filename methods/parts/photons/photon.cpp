@@ -8,9 +8,9 @@ Vec2 sign_not_zero(const Vec2& v) { return {std::copysign(1.f, v.x()), std::copy
 
 /// The octahedral map (Cigolle et al. 2014): a unit vector to [-1, 1]^2.
 Vec2 octahedral(const Vec3& w) {
-    const Vec2 p = w.head<2>() / w.cwiseAbs().sum();
-    if (w.z() >= 0.f) return p;
-    return (Vec2::Ones() - p.cwiseAbs().reverse()).cwiseProduct(sign_not_zero(p));
+    const float sum = w.cwiseAbs().sum(), x = w.x() / sum, y = w.y() / sum;
+    const bool folded = !(w.z() >= 0.f);
+    return {folded ? std::copysign(1.f - std::abs(y), x) : x, folded ? std::copysign(1.f - std::abs(x), y) : y};
 }
 
 Vec3 from_octahedral(const Vec2& p) {
@@ -45,7 +45,8 @@ PackedColor::PackedColor(const Color& power, std::uint8_t tag) : mantissa_{0, 0,
     }
     const float largest = power.maxCoeff();
     if (largest == 0.f) return;
-    int s = std::max(std::ilogb(largest) - 15, smallest_exponent);
+    const int exponent = static_cast<int>(std::bit_cast<std::uint32_t>(largest) >> 23) - 127;  // of a subnormal -127
+    int s = std::max(exponent - 15, smallest_exponent);
     // Mantissas are rounded to nearest, ties to even, as truncation would darken every sum.
     if (std::lrint(largest * power_of_two(-s)) > 0xffff) ++s;
     for (Eigen::Index c = 0; c < 3; ++c)

@@ -59,7 +59,7 @@ private:
     void follow() {
         while (allows_edge(at_.vertex + 1)) {
             if (kind_ == PhotonMapKind::beams) store_beam();
-            const Color before = at_.beta;
+            const float before = at_.beta.maxCoeff();
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
             if (flight.scattering_at) {
@@ -101,10 +101,11 @@ private:
         result_.beams.emplace_back(light, way.o + reach->begin * way.d, way.d, reach->end - reach->begin, *medium);
     }
 
-    /// A scattering event at p in a medium. `before` is the power at the start of the free flight; the roulette
+    /// A scattering event at p in a medium. `before` is the largest channel of the power at the start of the free
+    /// flight; the roulette
     /// compensates for the weight of the flight. Returns false if the photon ends here.
     /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
-    bool scatter_in_medium(const Vec3& p, const Color& before) {
+    bool scatter_in_medium(const Vec3& p, float before) {
         const Vec3 wo = walk_.wo();
         const bool came_straight = at_.vertex == 0;
         if (kind_ == PhotonMapKind::caustic) return false;
@@ -114,7 +115,7 @@ private:
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
-        const float survival = std::min(at_.beta.maxCoeff() / before.maxCoeff(), most_survival(at_.vertex));
+        const float survival = std::min(at_.beta.maxCoeff() / before, most_survival(at_.vertex));
         if (!survives(at_.beta, survival, u.roulette())) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
         at_.path_class.in_medium = true;
@@ -154,9 +155,9 @@ template <typename Visit>
 void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t end, const Visit& visit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Sampler sampler(PointSet::independent, key, i, 0);
-        const EmissionSample start = rays.scene().sample_emission(sampler.get_1d(dimension::emission_light),
-                                                                  sampler.get_2d(dimension::emission_position),
-                                                                  sampler.get_2d(dimension::emission_direction));
+        const auto u = sampler.at_start();
+        const EmissionSample start = rays.scene().sample_emission(
+            u[dimension::emission_light].x(), u[dimension::emission_position], u[dimension::emission_direction]);
         TracedRay first{start.ray};
         rays.trace(first);
         visit(start, first, sampler);
@@ -182,10 +183,9 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
     for (std::size_t packet_begin = 0; packet_begin < order.size(); packet_begin += packet.size()) {
         const std::size_t count = std::min(packet.size(), order.size() - packet_begin);
         for (std::size_t j = 0; j < count; ++j) {
-            const Sampler sampler = sampler_of(packet_begin + j);
+            const auto u = sampler_of(packet_begin + j).at_start();
             starts[j] = aim.sample_emission(rays.scene(), order[packet_begin + j].first,
-                                            sampler.get_2d(dimension::emission_position),
-                                            sampler.get_2d(dimension::emission_direction));
+                                            u[dimension::emission_position], u[dimension::emission_direction]);
             packet[j] = starts[j].ray;
         }
         rays.trace(std::span(packet).first(count), found);

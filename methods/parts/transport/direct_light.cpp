@@ -33,7 +33,7 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
                                const Surroundings& surroundings, LightTechniques techniques, Lobes which) {
     const Scene& scene = rays.scene();
     const auto light =
-        scene.sample_light(hit.lit_for(hit.shading.to_world(wo_local)), u.light_choice(), u.light_position());
+        scene.sample_light(scene.lit(hit, hit.shading.to_world(wo_local)), u.light_choice(), u.light_position());
     if (!light) return {};
     if (!scene.has_media())
         return scattered_from(*light, hit, wo_local, techniques, which,
@@ -66,7 +66,7 @@ LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                            Lobes which) {
     LobeValues found;
-    const LitPoint lit = hit.lit_for(hit.shading.to_world(wo_local));
+    const LitPoint lit = rays.scene().lit(hit, hit.shading.to_world(wo_local));
     const auto next = sample_scattering(hit, wo_local, u.bsdf_lobe(), u.bsdf_direction(), Transport::radiance, which);
     if (!next || next->delta) return found;
     Color beta = next->weight;

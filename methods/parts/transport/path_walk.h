@@ -174,7 +174,7 @@ public:
     /// Adds the hit as a vertex and traces the next edge.
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
-        at.previous_side = hit.lit_for(wo()).side;
+        at.previous_side = scene().lit(hit, wo()).side;
         ++at.vertex;
         ray.hides_emitters = false;
         trace_from(hit, wi);

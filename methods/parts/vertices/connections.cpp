@@ -60,7 +60,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
                                            const Techniques& used, const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
-    const auto light = scene.sample_light(eye.lit(), u.light_choice(), u.light_position());
+    const auto light = scene.sample_light(eye.lit(scene), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
     const Vec3 wi_local = eye.to_local(light->wi);
     const LobeValues scattered = scattered_to_camera(eye, light->wi, wi_local);
@@ -90,13 +90,14 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
                                   const LightPaths& paths, NumberStream& flights) {
     if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
     const Vec3 between = light.p - eye.p;
+    if (!eye.faces(between) || !light.faces(-between)) return std::nullopt;
     const double distance2 = double{between.squaredNorm()};
     if (!(distance2 > 0)) return std::nullopt;
     const Vec3 w = between.normalized(), w_eye = eye.to_local(w), w_light = light.to_local(-w);
     const LobeValues at_eye = scattered_to_camera(eye, w, w_eye);
     if (is_black(at_eye.sum())) return std::nullopt;
     const LobeValues at_light = scattered_from_light(light, -w, w_light);
-    if (is_black(at_light.sum()) || eye.is_level_with(light) || light.is_level_with(eye)) return std::nullopt;
+    if (is_black(at_light.sum()) || are_level(eye, light, between)) return std::nullopt;
     const Vec3 origin = eye.origin(w);
     const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);

@@ -22,9 +22,9 @@ LightEmission::LightEmission(const Scene& scene, bool aims) : scene_(scene) {
 }
 
 std::optional<LightEmission::Start> LightEmission::sample(const Sampler& sampler) const {
-    Vec2 choice = sampler.get_2d(dimension::emission_light);
-    const Vec2 position = sampler.get_2d(dimension::emission_position);
-    const Vec2 direction = sampler.get_2d(dimension::emission_direction);
+    const auto u = sampler.at_start();
+    Vec2 choice = u[dimension::emission_light];
+    const Vec2 &position = u[dimension::emission_position], &direction = u[dimension::emission_direction];
     EmissionSample sample;
     if (!map_) {
         sample = scene_.sample_emission(choice.x(), position, direction);

@@ -57,11 +57,9 @@ public:
     }
     /// Whether there is anything to merge within the radius, as far as is known without rays.
     bool finds_any(const KdTree<LightVertex>& vertices) const {
-        if (!(radius_ > 0.f)) return false;
-        bool any = false;
-        vertices.within(eye_.p, radius_,
-                        [&](const LightVertex& light, float distance2) { any |= accepts(light, distance2); });
-        return any;
+        return radius_ > 0.f && vertices.any_within(eye_.p, radius_, [&](const LightVertex& light, float distance2) {
+            return accepts(light, distance2);
+        });
     }
     float radius() const { return radius_; }
 

@@ -68,7 +68,7 @@ private:
         if (walk_.passes_through(*hit)) return true;
         PathState& path = walk_.at;
         const double n = sums_.merging().applies(false) ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0;
-        arrive(hit->lit_for(walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, n,
+        arrive(scene_.lit(*hit, walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, n,
                rules_.merging.any() && focuses(*hit, walk_.wo()));
         walk_.disperse(*hit, dimension::photon_stratum);
         PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);

@@ -65,16 +65,12 @@ struct PathVertex {
     Vec3 to_local(const Vec3& w) const { return hit ? hit->shading.to_local(w) : w; }
     /// |cos| of w and the geometric normal; 1 in a medium.
     float cosine(const Vec3& w) const { return hit ? std::abs(w.dot(hit->ng)) : 1.f; }
-    /// Whether rounding hides on which side of this vertex's surface the other vertex lies. Two vertices of one flat
-    /// face, the one on its outer and the other on its inner side, would see each other through it. Light that
-    /// connections within this angle carry is lost, a share of about the square of rounding over distance.
-    bool is_level_with(const PathVertex& other) const {
-        if (!hit) return false;
-        const float rounding = hit->offset + (other.hit ? other.hit->offset : 0.f) + rounding_of_connection(p, other.p);
-        return std::abs((other.p - p).dot(hit->ng)) <= rounding;
+    /// Whether light from w, a vector of any length, lies on a side from which the surface may scatter it.
+    bool faces(const Vec3& w) const {
+        return !hit || hit->bsdf->traits().transmission || w.dot(hit->shading.n) * from_local.z() > 0.f;
     }
     /// The vertex as lights light it.
-    LitPoint lit() const { return hit ? hit->lit_for(from) : LitPoint(p); }
+    LitPoint lit(const Scene& scene) const { return hit ? scene.lit(*hit, from) : LitPoint(p); }
     /// Where a segment that leaves the vertex in direction w starts.
     Vec3 origin(const Vec3& w) const { return hit ? offset_origin(*hit, w) : p; }
     /// Where a segment that arrives from `start` ends, which is farther off the surface by the segment's own rounding.
@@ -88,6 +84,17 @@ struct PathVertex {
         return hit && scene.has_media() ? scene.medium_beyond(*hit, w, medium) : medium;
     }
 };
+
+/// Whether rounding hides on which side of one vertex's surface the other vertex lies; `between` leads from one to the
+/// other. Two vertices of one flat face, the one on its outer and the other on its inner side, would see each other
+/// through it. Light that connections within this angle carry is lost, a share of about the square of rounding over
+/// distance.
+inline bool are_level(const PathVertex& a, const PathVertex& b, const Vec3& between) {
+    const auto offset = [](const PathVertex& at) { return at.hit ? at.hit->offset : 0.f; };
+    const float rounding = offset(a) + offset(b) + rounding_of_connection(a.p, b.p);
+    const auto is_level = [&](const PathVertex& at) { return at.hit && std::abs(between.dot(at.hit->ng)) <= rounding; };
+    return is_level(a) || is_level(b);
+}
 
 /// The scattering at a vertex of the camera's walk of light from direction w: f |cos| of the shading normal by kind of
 /// lobe [1/sr], to be multiplied by radiance. In a medium it is the phase function, as `diffuse`, because the kind is of

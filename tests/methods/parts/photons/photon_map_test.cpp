@@ -60,6 +60,8 @@ void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector
         ASSERT_EQ(distances.size(), all.size()) << r;
         for (std::size_t i = 0; i < all.size(); ++i)
             ASSERT_EQ(distances[i], all[i].distance2);
+        const auto is_farthest = [&](const Photon&, float d2) { return d2 == all.back().distance2; };
+        EXPECT_EQ(map.any_within(p, r, is_farthest), !all.empty()) << r;
 
         for (std::size_t k : ks) {
             map.nearest(p, k, r, accept_all, found);
