@@ -43,8 +43,6 @@ namespace gib {
 
 namespace {
 
-/// The value of volume=beams needs so many fewer photons by default.
-constexpr std::uint64_t photons_per_beam_photon = 100;
 constexpr std::string_view step_gather = "final gathering";
 constexpr std::string_view step_irradiance = "precomputed irradiance";
 constexpr std::string_view step_cache = "irradiance cache";
@@ -280,11 +278,8 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.photons;
     s.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
     const bool along_rays = s.volume_look_up != VolumeLookUp::points;
-    // A photon has several beams, and each crosses many eye paths.
-    const std::uint64_t default_volume_photons =
-        s.volume_look_up == VolumeLookUp::beams ? (s.photons + photons_per_beam_photon - 1) / photons_per_beam_photon
-                                                : s.photons;
-    s.volume_photons = values.given("volume_photons") ? count("volume_photons") : default_volume_photons;
+    s.volume_photons =
+        values.given("volume_photons") ? count("volume_photons") : default_volume_photons(s.photons, s.volume_look_up);
     const auto k = values.number_unless_word("k");
     const bool all = values.choice("k") == "all";
     s.k = k ? static_cast<std::size_t>(*k) : all ? all_photons : automatic_k(s.photons);
@@ -331,9 +326,8 @@ std::vector<Parameter> photon_mapper_parameters() {
     std::vector<Parameter> parameters = {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
-        count_parameter(
-            "volume_photons", "", "photons",
-            "emitted for the volume map; default: the value of photons, with volume=beams a hundredth of it"),
+        count_parameter("volume_photons", "", "photons",
+                        "emitted for the volume map; default: the value of photons, with volume=beams a tenth of it"),
         tuned(integer_parameter("k", "50", "photons", 2, 1e6,
                                 "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
                                 "within the radius",

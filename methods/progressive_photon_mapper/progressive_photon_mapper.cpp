@@ -28,8 +28,6 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
-/// By default volume=beams needs so many fewer photons.
-constexpr std::uint64_t photons_per_beam_photon = 10;
 constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
 
 struct ProgressiveSettings {
@@ -222,10 +220,10 @@ private:
         const auto pixels =
             static_cast<std::uint64_t>(scene.sensor().width()) * static_cast<std::uint64_t>(scene.sensor().height());
         constexpr std::uint64_t fewest = 10000, most = 250000;
-        for (std::uint64_t* photons : {&s.maps.photons, &s.maps.caustic_photons, &s.maps.volume_photons})
-            if (*photons == 0) *photons = std::clamp(pixels, fewest, most);
-        if (settings_.maps.volume_photons == 0 && s.maps.volume_look_up == VolumeLookUp::beams)
-            s.maps.volume_photons /= photons_per_beam_photon;
+        const std::uint64_t photons = std::clamp(pixels, fewest, most);
+        for (std::uint64_t* count : {&s.maps.photons, &s.maps.caustic_photons})
+            if (*count == 0) *count = photons;
+        if (s.maps.volume_photons == 0) s.maps.volume_photons = default_volume_photons(photons, s.maps.volume_look_up);
         return s;
     }
 
@@ -241,8 +239,9 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.photons = count("photons");
     s.maps.caustic_photons = values.given("caustic_photons") ? count("caustic_photons") : s.maps.photons;
     s.maps.volume_look_up = chosen<VolumeLookUp>(volume_look_up_names, values.choice("volume"));
-    const std::uint64_t fewer = s.maps.volume_look_up == VolumeLookUp::beams ? photons_per_beam_photon : 1;
-    s.maps.volume_photons = values.given("volume_photons") ? count("volume_photons") : s.maps.photons / fewer;
+    s.maps.volume_photons = values.given("volume_photons")
+                                ? count("volume_photons")
+                                : default_volume_photons(s.maps.photons, s.maps.volume_look_up);
     s.maps.k = s.maps.caustic_k = s.maps.volume_k = all_photons;
     s.maps.radius = first_radius_of(values, "radius");
     s.maps.caustic_radius = first_radius_of(values, "caustic_radius");

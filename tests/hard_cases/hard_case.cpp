@@ -177,8 +177,10 @@ bool HardCase::is_for(const MethodUnderTest& method) const {
     return std::none_of(without.begin(), without.end(), [&](const auto& entry) { return method.runs(entry.first); });
 }
 
-bool HardCase::has_variant(const std::string& variant) const {
-    return std::any_of(variants.begin(), variants.end(), [&](const auto& v) { return v == "all" || v == variant; });
+bool HardCase::is_for_variant(const MethodUnderTest& variant) const {
+    return std::any_of(variants.begin(), variants.end(), [&](const std::string& name) {
+        return name == variant.name || (name == "all" && is_for(variant));
+    });
 }
 
 HardCases load_hard_cases(const std::string& path) {

@@ -37,7 +37,8 @@ struct HardCase {
 
     std::uint32_t passes_of(const MethodUnderTest& method) const;
     bool is_for(const MethodUnderTest& method) const;
-    bool has_variant(const std::string& variant) const;
+    /// Whether the variant is tested: one that is named always, as one of `all` where its method would be.
+    bool is_for_variant(const MethodUnderTest& variant) const;
 };
 
 struct HardCases {

@@ -37,7 +37,7 @@ const std::vector<CaseAndMethod>& pairs() {
             for (const MethodUnderTest& method : methods)
                 if (hard.is_for(method)) pairs.push_back({hard, method});
             for (const MethodUnderTest& variant : variants)
-                if (hard.has_variant(variant.name) && hard.is_for(variant)) pairs.push_back({hard, variant});
+                if (hard.is_for_variant(variant)) pairs.push_back({hard, variant});
         }
         return pairs;
     }();

@@ -169,8 +169,10 @@ void FlatRegions::spread() {
     for (int z = 0; z < size_[2]; ++z)
         for (int y = 0; y < size_[1]; ++y)
             for (int x = 0; x < size_[0]; ++x)
-                if (const auto label = voxels_[at({x, y, z})].labels[0]; label != empty)
-                    front.push_back({{x, y, z}, label});
+                if (Voxel& voxel = voxels_[at({x, y, z})]; voxel.labels[0] != empty) {
+                    voxel.steps[0] = 0;
+                    front.push_back({{x, y, z}, voxel.labels[0]});
+                }
     for (std::uint8_t step = 1; step <= most_steps; ++step) {
         next.clear();
         for (const auto& [from, label] : front)
@@ -179,9 +181,9 @@ void FlatRegions::spread() {
                     for (int x = std::max(from[0] - 1, 0); x <= std::min(from[0] + 1, size_[0] - 1); ++x) {
                         Voxel& voxel = voxels_[at({x, y, z})];
                         if (voxel.labels[1] != empty || voxel.labels[0] == label) continue;
-                        const bool first = voxel.labels[0] == empty;
-                        voxel.labels[first ? 0 : 1] = label;
-                        if (!first) voxel.step = step;
+                        const std::size_t which = voxel.labels[0] == empty ? 0 : 1;
+                        voxel.labels[which] = label;
+                        voxel.steps[which] = step;
                         next.push_back({{x, y, z}, label});
                     }
         front.swap(next);
@@ -193,7 +195,11 @@ bool FlatRegions::flat_around(const SurfaceHit& hit, float reach) const {
     const Voxel& voxel = voxels_[at(index_of(hit.p))];
     const std::uint32_t label = voxel.labels[0];
     if (label == empty || label == mixed || shape_of_plane_[label - mixed - 1] != hit.shape) return false;
-    return reach + rounding_ <= static_cast<float>(voxel.step - 1) * voxel_;
+    return is_beyond(reach, voxel.steps[1]);
+}
+
+bool FlatRegions::empty_around(const Vec3& p, float reach) const {
+    return !voxels_.empty() && is_beyond(reach, voxels_[at(index_of(p))].steps[0]);
 }
 
 }  // namespace gib

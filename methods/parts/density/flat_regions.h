@@ -29,6 +29,8 @@ public:
     /// Whether all surfaces within `reach` [scene units] of a hit lie in its plane, are of its shape and material, and
     /// cover the plane there. False if the grid cannot tell.
     bool flat_around(const SurfaceHit& hit, float reach) const;
+    /// Whether no surface lies within `reach` [scene units] of a point. False if the grid cannot tell.
+    bool empty_around(const Vec3& p, float reach) const;
 
 private:
     static constexpr std::uint32_t empty = 0, mixed = 1;  ///< other labels: a plane's number + 2
@@ -36,7 +38,7 @@ private:
 
     struct Voxel {
         std::array<std::uint32_t, 2> labels = {empty, empty};
-        std::uint8_t step = most_steps + 1;  ///< step in which the second label came
+        std::array<std::uint8_t, 2> steps = {most_steps + 1, most_steps + 1};  ///< in which the labels came
     };
 
     using Index = std::array<int, 3>;
@@ -47,6 +49,10 @@ private:
     void add_box(const Bounds& box, std::uint32_t label);
     void spread();
     Index index_of(const Vec3& p) const;
+    /// Whether what came in this step lies beyond `reach`.
+    bool is_beyond(float reach, std::uint8_t step) const {
+        return reach + rounding_ <= static_cast<float>(step - 1) * voxel_;
+    }
     std::size_t at(const Index& i) const {
         return (static_cast<std::size_t>(i[2]) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(i[1])) *
                    static_cast<std::size_t>(size_[0]) +

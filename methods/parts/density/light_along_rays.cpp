@@ -24,6 +24,43 @@ Colord scattered_at(const MediumStretch& stretch, double t, const Vec3& wi) {
     return stretch.medium.phase().value(-stretch.w, wi) * share.cast<double>();
 }
 
+/// The place where the ray of a stretch passes a photon or a beam closest, if it does so within the radius r.
+struct Passing {
+    double t;      ///< along the ray [scene units]
+    Vec3d across;  ///< unit, at a right angle to the ray, and to the beam
+    double d;      ///< from the ray to the light along `across`, of either sign [scene units]
+    Color power;   ///< of the light there
+    Vec3 wi;       ///< where it comes from
+    double sine = 1;
+};
+
+std::optional<Passing> passing_of(const Photon& photon, const MediumStretch& stretch, double r) {
+    const Vec3d from_start = (photon.p - stretch.from).cast<double>(), w = stretch.w.cast<double>();
+    const double t = from_start.dot(w);
+    if (!(t >= 0 && t < double{stretch.length})) return std::nullopt;
+    const Vec3d offset = from_start - t * w;
+    const double d = offset.norm();
+    if (!(d < r)) return std::nullopt;
+    return Passing{t, offset.normalized(), d, photon.power(), photon.direction()};
+}
+
+std::optional<Passing> passing_of(const PhotonBeam& beam, const MediumStretch& stretch, double r) {
+    if (beam.medium != &stretch.medium) return std::nullopt;
+    const Vec3d w = stretch.w.cast<double>(), v = beam.w.cast<double>(),
+                between = (beam.p - stretch.from).cast<double>(), across = w.cross(v);
+    const double sine2 = across.squaredNorm();
+    if (!(sine2 > 0)) return std::nullopt;
+    const double sine = std::sqrt(sine2), d = between.dot(across) / sine;
+    if (!(std::abs(d) < r)) return std::nullopt;
+    const double t = between.cross(v).dot(across) / sine2, s = between.cross(w).dot(across) / sine2;
+    if (!(t >= 0 && t < double{stretch.length} && s >= 0 && s < double{beam.length})) return std::nullopt;
+    const Color power = beam.medium->power_along(beam.power(), static_cast<float>(s));
+    return Passing{t, across / sine, d, power, -beam.w, sine};
+}
+
+/// The part of the Gaussian's integral that lies from -s to s.
+double gaussian_mass(double s) { return std::erf(s / (double{gaussian_sigma} * std::numbers::sqrt2)); }
+
 }  // namespace
 
 double line_kernel_weight(Kernel kernel, double d2, double r) {
@@ -35,8 +72,7 @@ double line_kernel_weight(Kernel kernel, double d2, double r) {
             return std::max(1 - std::sqrt(s2), 0.0) / r;
         case Kernel::gaussian: {
             constexpr double sigma{gaussian_sigma};
-            static const double norm =
-                1 / (sigma * std::sqrt(2 * std::numbers::pi) * std::erf(1 / (sigma * std::numbers::sqrt2)));
+            static const double norm = 1 / (sigma * std::sqrt(2 * std::numbers::pi) * gaussian_mass(1));
             return norm * std::exp(-s2 / (2 * sqr(sigma))) / r;
         }
         case Kernel::epanechnikov:
@@ -45,77 +81,91 @@ double line_kernel_weight(Kernel kernel, double d2, double r) {
     return 0;
 }
 
+double line_kernel_mass(Kernel kernel, double s) {
+    switch (kernel) {
+        case Kernel::uniform:
+            return s;
+        case Kernel::cone:
+            return s * (2 - s);
+        case Kernel::gaussian:
+            return gaussian_mass(s) / gaussian_mass(1);
+        case Kernel::epanechnikov:
+            return s * (3 - s * s) / 2;
+    }
+    return 0;
+}
+
 LightAlongRays::LightAlongRays(PhotonWalkResult walk, VolumeLookUp look_up, Kernel kernel, float radius,
-                               bool estimates_bias)
+                               const FlatRegions& regions, bool estimates_bias)
     : walk_(std::move(walk)),
       beams_(look_up == VolumeLookUp::beams),
       kernel_(kernel),
       radius_(radius),
+      regions_(&regions),
       estimates_bias_(estimates_bias),
       tree_(points_of(walk_, beams_), beams_ ? 2 : 1, radius) {}
 
-double LightAlongRays::kernel(double d2, double r) const {
-    return beams_ ? line_kernel_weight(kernel_, d2, r)
-                  : kernel_weight(kernel_, static_cast<float>(d2), static_cast<float>(r));
+double LightAlongRays::weight(const Nearby& at, double r) const {
+    const auto mass = [&](float length) {
+        const double s = std::min(double{length} / r, 1.0);
+        return beams_ ? line_kernel_mass(kernel_, s) : double{kernel_mass(kernel_, static_cast<float>(s))};
+    };
+    const double k = beams_ ? line_kernel_weight(kernel_, at.d2, r)
+                            : kernel_weight(kernel_, static_cast<float>(at.d2), static_cast<float>(r));
+    if (double{std::min(at.ahead, at.behind)} >= r) return k;
+    return 2 * k / (mass(at.ahead) + mass(at.behind));
+}
+
+std::optional<LightAlongRays::Nearby> LightAlongRays::nearby(const Vec3& p, const Vec3& across, double d,
+                                                             RayQueries& rays) const {
+    if (regions_->empty_around(p, radius_)) return Nearby{d * d, radius_, radius_};
+    const auto sight = [&](const Vec3& way) {
+        TracedRay probe{{.o = p, .d = way, .t_max = radius_}};
+        rays.trace(probe);
+        return probe.found ? probe.found->t : radius_;
+    };
+    const Vec3 towards = d < 0 ? Vec3(-across) : across;
+    const float ahead = sight(towards);
+    if (!(std::abs(d) < double{ahead})) return std::nullopt;
+    return Nearby{d * d, ahead, sight(-towards)};
 }
 
 template <typename Visit>
-void LightAlongRays::show_photon(const Photon& photon, const MediumStretch& stretch, const EyePath& eye,
-                                 Visit&& visit) const {
-    const Eigen::Vector3d from_start = (photon.p - stretch.from).cast<double>(), w = stretch.w.cast<double>();
-    const double t = from_start.dot(w);
-    if (!(t >= 0 && t < double{stretch.length}) || !eye.accepts(photon)) return;
-    const double d2 = (from_start - t * w).squaredNorm();
-    if (!(d2 < sqr(double{radius_}))) return;
-    const Colord value = walk_.unit * (photon.power() * eye.weight(photon)).cast<double>();
-    visit(Colord(value * scattered_at(stretch, t, photon.direction())), d2);
-}
-
-template <typename Visit>
-void LightAlongRays::show_beam(const PhotonBeam& beam, const MediumStretch& stretch, const EyePath& eye,
-                               Visit&& visit) const {
-    if (beam.medium != &stretch.medium || !eye.accepts(beam)) return;
-    const Eigen::Vector3d w = stretch.w.cast<double>(), v = beam.w.cast<double>(),
-                          between = (beam.p - stretch.from).cast<double>(), across = w.cross(v);
-    const double sine2 = across.squaredNorm();
-    if (!(sine2 > 0)) return;
-    const double d2 = sqr(between.dot(across)) / sine2;
-    if (!(d2 < sqr(double{radius_}))) return;
-    const double t = between.cross(v).dot(across) / sine2, s = between.cross(w).dot(across) / sine2;
-    if (!(t >= 0 && t < double{stretch.length} && s >= 0 && s < double{beam.length})) return;
-    const Color power = beam.medium->power_along(beam.power(), static_cast<float>(s)) * eye.weight(beam);
-    const Colord value = walk_.unit / std::sqrt(sine2) * power.cast<double>();
-    visit(Colord(value * scattered_at(stretch, t, -beam.w)), d2);
-}
-
-template <typename Visit>
-void LightAlongRays::for_each_near(const MediumStretch& stretch, const EyePath& eye, std::vector<std::uint32_t>& found,
-                                   Visit&& visit) const {
+void LightAlongRays::for_each_near(const MediumStretch& stretch, const EyePath& eye, RayQueries& rays,
+                                   std::vector<std::uint32_t>& found, Visit&& visit) const {
     tree_.find({.o = stretch.from, .d = stretch.w, .t_max = stretch.length}, found);
     for (const std::uint32_t i : found) {
-        if (beams_) show_beam(walk_.beams[i], stretch, eye, visit);
-        else show_photon(walk_.photons[i], stretch, eye, visit);
+        const PhotonPayload& light = beams_ ? static_cast<const PhotonPayload&>(walk_.beams[i]) : walk_.photons[i];
+        if (!eye.accepts(light)) continue;
+        const double r{radius_};
+        const auto passing = beams_ ? passing_of(walk_.beams[i], stretch, r) : passing_of(walk_.photons[i], stretch, r);
+        if (!passing) continue;
+        const Vec3 p = stretch.from + static_cast<float>(passing->t) * stretch.w;
+        const auto at = nearby(p, passing->across.cast<float>(), passing->d, rays);
+        if (!at) continue;
+        const Colord value = walk_.unit / passing->sine * (passing->power * eye.weight(light)).cast<double>();
+        visit(Colord(value * scattered_at(stretch, passing->t, passing->wi)), *at);
     }
 }
 
-Scattered LightAlongRays::radiance(const MediumStretch& stretch, const EyePath& eye,
+Scattered LightAlongRays::radiance(const MediumStretch& stretch, const EyePath& eye, RayQueries& rays,
                                    std::vector<std::uint32_t>& found) const {
     const double r{radius_}, narrow_r = double{narrow_radius} * r;
     Colord sum = Colord::Zero(), narrow = Colord::Zero();
-    for_each_near(stretch, eye, found, [&](const Colord& light, double d2) {
-        sum += light * kernel(d2, r);
-        if (estimates_bias_ && d2 < sqr(narrow_r)) narrow += light * kernel(d2, narrow_r);
+    for_each_near(stretch, eye, rays, found, [&](const Colord& light, const Nearby& at) {
+        sum += light * weight(at, r);
+        if (estimates_bias_ && at.d2 < sqr(narrow_r)) narrow += light * weight(at, narrow_r);
     });
     Scattered scattered{sum.cast<float>()};
     if (estimates_bias_) scattered.bias = (double{bias_of_difference} * (sum - narrow)).cast<float>();
     return scattered;
 }
 
-void LightAlongRays::collect(const MediumStretch& stretch, const EyePath& eye, const Color& weight,
-                             std::vector<NearLight>& near) const {
+void LightAlongRays::collect(const MediumStretch& stretch, const EyePath& eye, const Color& throughput,
+                             RayQueries& rays, std::vector<NearLight>& near) const {
     std::vector<std::uint32_t> found;
-    for_each_near(stretch, eye, found, [&](const Colord& light, double d2) {
-        near.push_back({(light * weight.cast<double>()).mean(), d2});
+    for_each_near(stretch, eye, rays, found, [&](const Colord& light, const Nearby& at) {
+        near.push_back({(light * throughput.cast<double>()).mean(), at});
     });
 }
 

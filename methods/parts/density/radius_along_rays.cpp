@@ -31,7 +31,8 @@ struct StretchVisitor {
     void scattered(const EyeVertex&, const Vec3&) {}
     void diffuse(const EyeVertex&, const SurfaceHit&, const VertexNumbers&) {}
     void crossed(const EyeVertex& vertex, const MediumStretch& stretch) {
-        light.collect(stretch, {vertex.edges_left, vertex.walk.at.stratum}, vertex.throughput(), near);
+        light.collect(stretch, {vertex.edges_left, vertex.walk.at.stratum}, vertex.throughput(), vertex.walk.rays,
+                      near);
     }
 };
 
@@ -68,8 +69,9 @@ double distance_of_tenth(std::vector<NearLights>& paths) {
     std::vector<double> distances;
     for (NearLights& near : paths) {
         const auto tenth = near.begin() + nearest_lights - 1;
-        std::nth_element(near.begin(), tenth, near.end(), [](const auto& a, const auto& b) { return a.d2 < b.d2; });
-        distances.push_back(std::sqrt(tenth->d2));
+        std::nth_element(near.begin(), tenth, near.end(),
+                         [](const auto& a, const auto& b) { return a.at.d2 < b.at.d2; });
+        distances.push_back(std::sqrt(tenth->at.d2));
     }
     return quantile(std::move(distances), 0.25);
 }
@@ -88,13 +90,14 @@ double bias_over_variance(const std::vector<NearLights>& paths, const LightAlong
     std::vector<double> radiances;
     for (const NearLights& near : paths) {
         Spread spread;
-        for (const auto& [power, d2] : near) {
-            if (!(d2 < sqr(r))) continue;
-            const double added = power * light.kernel(d2, r);
-            const double narrow = d2 < sqr(narrow_r) ? power * light.kernel(d2, narrow_r) : 0;
+        for (const auto& [power, at] : near) {
+            if (!(at.d2 < sqr(r))) continue;
+            const double added = power * light.weight(at, r);
+            const double narrow = at.d2 < sqr(narrow_r) ? power * light.weight(at, narrow_r) : 0;
             spread.radiance += added;
             spread.squares += sqr(added);
-            spread.bias[mix64(std::bit_cast<std::uint64_t>(d2)) & 1] += double{bias_of_difference} * (added - narrow);
+            spread.bias[mix64(std::bit_cast<std::uint64_t>(at.d2)) & 1] +=
+                double{bias_of_difference} * (added - narrow);
         }
         radiances.push_back(spread.radiance);
         spreads.push_back(spread);
@@ -125,16 +128,15 @@ double radius_along_rays(const Scene& scene, const WalkSettings& settings, const
     const double longest{search.longest};
     if (paths.empty()) return 0.1 * longest;
     const double n = search.look_up == VolumeLookUp::beams ? 1 : 2;
-    constexpr double lights_at_start = 0.05;
-    double r =
-        distance_of_tenth(paths) * std::pow(lights_at_start / nearest_lights * search.pilot / search.paths, 1 / n);
-    if (!(r > 0)) return 0.1 * longest;
-    // A step of sqrt 2 multiplies the ratio by 2^((4 + n) / 2): the last radius below this bound is the best one.
-    const double step = std::numbers::sqrt2, most = n / 4 * std::pow(2.0, (4 + n) / 2);
+    constexpr double lights_at_least = 0.05;
+    const double least =
+        distance_of_tenth(paths) * std::pow(lights_at_least / nearest_lights * search.pilot / search.paths, 1 / n);
     const double scale = search.paths / search.pilot * (search.shrinks ? 3 : 1);
-    while (r * step < longest && scale * bias_over_variance(paths, search.light, r * step) <= most)
-        r *= step;
-    return share_of_best * std::min(r, longest);
+    // From above, as few photons within a small radius say little about its bias.
+    double r = longest;
+    while (r > least && scale * bias_over_variance(paths, search.light, r) > n / 4)
+        r /= std::numbers::sqrt2;
+    return share_of_best * r;
 }
 
 }  // namespace gib

@@ -60,7 +60,8 @@ public:
     /// Adds the light that a stretch in a medium scatters towards its start, straight from a light or not.
     void crossed(const EyeVertex& vertex, const MediumStretch& stretch) {
         if constexpr (light == EyeLight::straight) return;
-        const Scattered found = maps_.along_rays->radiance(stretch, eye_path(vertex), block_.near_ray);
+        const Scattered found =
+            maps_.along_rays->radiance(stretch, eye_path(vertex), vertex.walk.rays, block_.near_ray);
         sample_.light[Component::volume] += vertex.throughput() * found.radiance;
         sample_.bias[Component::volume] += vertex.throughput() * found.bias;
     }

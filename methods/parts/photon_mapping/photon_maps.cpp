@@ -123,8 +123,10 @@ LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings
     PhotonWalkResult walk =
         trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
     const auto timer = stages_.time("tree build");
+    constexpr int resolution = 64;
+    if (!regions_) regions_ = std::make_unique<FlatRegions>(scene_, resolution);
     return LightAlongRays(std::move(walk), settings.volume_look_up, settings.kernel, static_cast<float>(radius),
-                          estimates_bias);
+                          *regions_, estimates_bias);
 }
 
 double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,

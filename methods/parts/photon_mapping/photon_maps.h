@@ -83,6 +83,7 @@ private:
     const Scene& scene_;
     int max_edges_;
     StageTimes& stages_;
+    std::unique_ptr<FlatRegions> regions_;  ///< for look-ups along rays
     std::uint64_t photons_ = 0, rays_ = 0;
 };
 

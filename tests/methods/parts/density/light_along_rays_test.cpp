@@ -36,30 +36,40 @@ double scattered_once() {
     return albedo * sigma_t / (4 * std::numbers::pi) * sum;
 }
 
-/// The radiance found by so many photons, over seeds and over 24 rays that see the same: along all axes both ways, at the
-/// distance `offset` on all sides. Few photons come close to two of them.
-Moments found(VolumeLookUp look_up, Kernel kernel, float radius, std::uint64_t photons, std::uint64_t seeds) {
-    const LoadedScene scene = lit_fog();
+struct Settings {
+    VolumeLookUp look_up;
+    Kernel kernel;
+    float radius;
+    std::uint64_t photons, seeds;
+};
+
+/// The radiance that the fog around the origin shows on the way of length 2 `half`, over seeds and over 24 rays that see the
+/// same: along all axes both ways, at this distance from the middle on all sides. Few photons come close to two of them.
+Moments found(const LoadedScene& scene, float distance, float half, int max_edges, const Settings& s) {
     RayQueries rays(*scene.scene);
-    const Medium* medium = rays.medium_at(Vec3::Zero());
+    const FlatRegions regions(*scene.scene, 32);
     const Sampler sampler(PointSet::independent, 1, 1, 0);
     NumberStream u(sampler);
     std::vector<std::uint32_t> scratch;
     Moments moments;
-    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-        const auto kind = look_up == VolumeLookUp::beams ? PhotonMapKind::beams : PhotonMapKind::media;
-        const LightAlongRays light(trace_photons(*scene.scene, kind, photons, 2, seed), look_up, kernel, radius);
+    for (std::uint64_t seed = 1; seed <= s.seeds; ++seed) {
+        const auto kind = s.look_up == VolumeLookUp::beams ? PhotonMapKind::beams : PhotonMapKind::media;
+        const LightAlongRays light(trace_photons(*scene.scene, kind, s.photons, max_edges, seed), s.look_up, s.kernel,
+                                   s.radius, regions);
         for (int along = 0; along < 6; ++along)
             for (int side = 0; side < 4; ++side) {
-                const float way = along % 2 == 0 ? 1.f : -1.f, by = side % 2 == 0 ? offset : -offset;
-                const Vec3 w = way * Vec3::Unit(along / 2);
-                const Vec3 from = by * Vec3::Unit((along / 2 + 1 + side / 2) % 3) - w;
-                const MediumStretch stretch{*medium, from, w, 2.f, medium->transmittance_along(from, w, 2.f, u)};
-                moments.add(double{light.radiance(stretch, {1}, scratch).radiance[1]});
+                const float way = along % 2 == 0 ? half : -half, by = side % 2 == 0 ? distance : -distance;
+                const Vec3 middle = by * Vec3::Unit((along / 2 + 1 + side / 2) % 3);
+                const Vec3 from = middle - way * Vec3::Unit(along / 2), w = (middle - from).normalized();
+                const Medium* medium = rays.medium_at(middle);
+                const MediumStretch stretch{*medium, from, w, 2 * half,
+                                            medium->transmittance_along(from, w, 2 * half, u)};
+                moments.add(double{light.radiance(stretch, {max_edges - 1}, rays, scratch).radiance[1]});
             }
     }
     return moments;
 }
+Moments found_by_point_light(const Settings& s) { return found(lit_fog(), offset, 1, 2, s); }
 
 class LookUpsAlongRays : public testing::TestWithParam<VolumeLookUp> {};
 INSTANTIATE_TEST_SUITE_P(All, LookUpsAlongRays, testing::Values(VolumeLookUp::ray, VolumeLookUp::beams),
@@ -69,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(All, LookUpsAlongRays, testing::Values(VolumeLookUp::ra
 
 TEST_P(LookUpsAlongRays, HaveTheMeanOfTheIntegralWithEveryKernel) {
     for (const Kernel kernel : {Kernel::uniform, Kernel::cone, Kernel::gaussian, Kernel::epanechnikov}) {
-        const Moments m = found(GetParam(), kernel, 0.05f, 4000, 12);
+        const Moments m = found_by_point_light({GetParam(), kernel, 0.05f, 4000, 12});
         EXPECT_LT(m.standard_error(), 0.04 * scattered_once()) << "the test would not see an error";
         EXPECT_NEAR(m.mean(), scattered_once(), sigmas * m.standard_error() + 0.002 * scattered_once());
     }
@@ -81,9 +91,9 @@ TEST_P(LookUpsAlongRays, HaveTheMeanOfTheIntegralWithEveryKernel) {
 TEST_P(LookUpsAlongRays, BiasAndVarianceFollowTheRadiusAndThePhotons) {
     constexpr std::uint64_t seeds = 80, samples = 24 * seeds;
     const double truth = scattered_once();
-    const Moments wide = found(GetParam(), Kernel::uniform, 0.2f, 2000, seeds),
-                  narrow = found(GetParam(), Kernel::uniform, 0.1f, 2000, seeds),
-                  few = found(GetParam(), Kernel::uniform, 0.2f, 500, seeds);
+    const Moments wide = found_by_point_light({GetParam(), Kernel::uniform, 0.2f, 2000, seeds}),
+                  narrow = found_by_point_light({GetParam(), Kernel::uniform, 0.1f, 2000, seeds}),
+                  few = found_by_point_light({GetParam(), Kernel::uniform, 0.2f, 500, seeds});
     const double bias = wide.mean() - truth;
     EXPECT_GT(std::abs(bias), sigmas * wide.standard_error()) << "the test would not see an error";
     EXPECT_NEAR(narrow.mean() - truth, bias / 4,
@@ -93,6 +103,25 @@ TEST_P(LookUpsAlongRays, BiasAndVarianceFollowTheRadiusAndThePhotons) {
     const double dimensions = GetParam() == VolumeLookUp::beams ? 1 : 2;
     EXPECT_NEAR(std::log2(variance(narrow) / variance(wide)), dimensions, log_error / std::numbers::ln2 + 0.1);
     EXPECT_NEAR(std::log(variance(few) / variance(wide)), std::log(4), log_error);
+}
+
+// A ball of white fog around a white cube under an even sky has the radiance 1 everywhere, so that the fog shows the share of light
+// that it takes away. Most of a look-up's line lies beyond the ball or in the cube.
+TEST_P(LookUpsAlongRays, EvenLightStaysEvenNearSurfacesAndTheEdgeOfTheMedium) {
+    const LoadedScene scene =
+        scene_of(scene_xml(camera(40, to_world(translate(0, 0, -4)), box_film(4)) + constant_light(1) +
+                           shape("cube", to_world(scale(0.3)), diffuse(1)) +
+                           shape("sphere", bsdf("null"), "<medium name='interior' type='homogeneous'>",
+                                 number("sigma_t", sigma_t), number("albedo", 1), "</medium>")));
+    constexpr float radius = 0.3f;
+    for (const float distance : {0.32f, 0.95f})
+        for (const Kernel kernel : {Kernel::uniform, Kernel::cone, Kernel::gaussian, Kernel::epanechnikov}) {
+            const float half = std::sqrt(1 - distance * distance);
+            const double shown = -std::expm1(-2 * sigma_t * double{half});
+            const Moments m = found(scene, distance, half, 1000, {GetParam(), kernel, radius, 1000, 12});
+            EXPECT_LT(m.standard_error(), 0.03 * shown) << "the test would not see an error";
+            EXPECT_NEAR(m.mean(), shown, sigmas * m.standard_error()) << distance;
+        }
 }
 
 }  // namespace

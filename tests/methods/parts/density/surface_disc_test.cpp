@@ -225,6 +225,30 @@ TEST(FlatRegions, EndAtWallsAndWhereTheSurfaceEnds) {
     EXPECT_GT(flat, 500);
 }
 
+// Distances of the grid are in the maximum norm, and a sphere counts as its box.
+TEST(FlatRegions, KnowWhereNoSurfaceIsNear) {
+    constexpr float radius = 0.3f, voxel = 1.f / 16;
+    const Vec3 middle(-0.3f, 0.f, 0.7f);
+    const LoadedScene loaded =
+        seen_in_parallel(floor_and_wall + white("sphere", scale(radius) + translate(-0.3, 0, 0.7)));
+    const FlatRegions regions(*loaded.scene, 32);
+    int empty = 0;
+    for (float x = -0.98f; x < 1.f; x += 0.0917f)
+        for (float y = -0.98f; y < 1.f; y += 0.0917f)
+            for (float z = -0.98f; z < 1.f; z += 0.0917f) {
+                const Vec3 p(x, y, z);
+                const float wall = std::abs(x - 0.5f);
+                const float nearest = std::min({std::abs(z), wall, std::abs((p - middle).norm() - radius)});
+                EXPECT_FALSE(regions.empty_around(p, 1.001f * nearest)) << p.transpose();
+                const float in_grid = std::min({std::abs(z), wall, (p - middle).cwiseAbs().maxCoeff() - radius});
+                const float surely = std::min(in_grid - 2.1f * voxel, 4.9f * voxel);
+                if (!(surely > 0.f)) continue;
+                EXPECT_TRUE(regions.empty_around(p, surely)) << p.transpose();
+                ++empty;
+            }
+    EXPECT_GT(empty, 500);
+}
+
 // Two floors in one mesh, the same triangles twice: each edge at their end belongs to two triangles.
 TEST(FlatRegions, EndWhereASurfaceThatIsThereTwiceEnds) {
     const TemporaryFolder folder;
