@@ -4,7 +4,6 @@
 #include "common/core/reject.h"
 #include "common/mesh_files/curve_mesh.h"
 #include "common/mesh_files/mesh_materials.h"
-#include "common/mesh_files/smooth_angle.h"
 
 #include <algorithm>
 
@@ -206,7 +205,7 @@ ParsedShapes parse_mesh_file(const std::string& type, Properties& properties, co
         return finished_mesh(std::move(mesh.data), options, to_world);
     }
     MeshData data = type == "obj" ? parse_obj(content, path) : parse_ply(content, path);
-    std::vector<std::string> warnings = std::move(data.warnings);
+    std::vector<std::string> warnings = data.warnings.messages();
     ParsedShapes shapes = type == "obj" ? parse_obj_file(std::move(data), bsdfs, options, to_world)
                                         : ParsedShapes(finished_mesh(std::move(data), options, to_world));
     shapes.warnings = std::move(warnings);

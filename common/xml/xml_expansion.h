@@ -3,7 +3,7 @@
 // <ref> and <alias>.
 
 #include "common/core/files.h"
-#include "common/xml/load_warnings.h"
+#include "common/core/load_warnings.h"
 #include "common/xml/xml_document.h"
 
 #include <map>

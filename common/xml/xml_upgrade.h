@@ -1,7 +1,7 @@
 #pragma once
 // Scene files of Mitsuba 0.4 to 1.x in the names and the meaning of Mitsuba 3.
 
-#include "common/xml/load_warnings.h"
+#include "common/core/load_warnings.h"
 #include "common/xml/xml_document.h"
 
 namespace gib {
