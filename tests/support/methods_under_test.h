@@ -98,7 +98,7 @@ inline std::vector<MethodUnderTest> look_up_variants(Work work) {
         method_under_test("cache", map + " gather=" + rays_of_records + " cache=on"),
         method_under_test("shadows", map + " shadow_" + photons + " shadows=guide"),
         method_under_test("ray", map + " volume=ray"),
-        method_under_test("beams", map + " volume=beams volume_photons=" + (work == Work::small ? "2000" : "200")),
+        method_under_test("beams", map + " volume=beams volume_" + photons),
     };
 }
 /// The progressive methods, that is, those whose radius may be found from a pilot, with the radius left to it.

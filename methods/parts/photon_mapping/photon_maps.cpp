@@ -123,7 +123,7 @@ LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings
     PhotonWalkResult walk =
         trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
     const auto timer = stages_.time("tree build");
-    constexpr int resolution = 64;
+    constexpr int resolution = 32;
     if (!regions_) regions_ = std::make_unique<FlatRegions>(scene_, resolution);
     return LightAlongRays(std::move(walk), settings.volume_look_up, settings.kernel, static_cast<float>(radius),
                           *regions_, estimates_bias);
