@@ -237,7 +237,7 @@ private:
     EmissionSample emitted_from(const AreaLight& light, const SurfacePoint& q, const Frame& frame,
                                 const Color& Le) const {
         const Vec3 w = frame.to_world(square_to_cosine_hemisphere(u_direction));
-        return {Ray{offset_origin(q, w), w}, power_of_area(light, Le), q.ng};
+        return {Ray{offset_origin(q, w), {w.x(), w.y(), w.z()}}, power_of_area(light, Le), q.ng};
     }
 
     /// Samples the direction first, uniformly, and then a point of the disk across it, which is lifted to the sphere.

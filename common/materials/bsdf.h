@@ -110,6 +110,20 @@ public:
         return side.alone ? side.model.pdf_w_local(side.seen(wo), side.seen(wi), which)
                           : layered_pdf_w_local(wo, wi, which, transport);
     }
+    /// The densities of both walks along a path at this point: pdf_w_local(wo, wi) of radiance, and of power the other
+    /// way round, pdf_w_local(wi, wo).
+    struct PairPdfs {
+        float radiance, power;
+    };
+    PairPdfs pdfs_local(const Vec3& wo, const Vec3& wi) const {
+        const DiffuseSide& side = diffuse_side(wo.z());
+        if (side.alone && below(wo.z()) == below(wi.z())) {
+            const float cos_o = side.front * wo.z(), cos_i = side.front * wi.z();
+            return {cos_o > 0.f ? cosine_hemisphere_pdf(cos_i) : 0.f, cos_i > 0.f ? cosine_hemisphere_pdf(cos_o) : 0.f};
+        }
+        return {pdf_w_local(wo, wi, Lobes::all, Transport::radiance),
+                pdf_w_local(wi, wo, Lobes::all, Transport::power)};
+    }
     /// Empty if nothing is scattered. u_lobe.x() chooses the lobe. If both a diffuse and a glossy lobe could have
     /// generated the direction, u_lobe.y() decides to which of them the path belongs, with probabilities proportional
     /// to their f. The sample's f is then that lobe's f over its probability, so that each class of paths gets its

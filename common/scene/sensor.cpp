@@ -90,13 +90,6 @@ int ReconstructionFilter::choose(float film, float& u, float& sum) const {
     return chosen;
 }
 
-ReconstructionFilter::Pixel ReconstructionFilter::choose_pixel(const Vec2& film, float u) const {
-    float sum_x = 0.f, sum_y = 0.f;
-    const int x = choose(film.x(), u, sum_x);
-    const int y = choose(film.y(), u, sum_y);
-    return {x, y, sum_x * sum_y};
-}
-
 double Sensor::tan_half_width(double fov, FovAxis axis, double aspect) {
     const double tan_half = std::tan(fov * std::numbers::pi / 360);
     if (axis == FovAxis::diagonal) return tan_half / std::sqrt(1 + 1 / (aspect * aspect));

@@ -32,7 +32,12 @@ public:
         float weight;  ///< the sum of all such filters' densities [1/px^2]: density / probability of the choice
     };
     /// Chooses among the pixels, also those beyond the image, by the density of their filters at `film` [pixels].
-    Pixel choose_pixel(const Vec2& film, float u) const;
+    Pixel choose_pixel(const Vec2& film, float u) const {
+        float sum_x = 0.f, sum_y = 0.f;
+        const int x = choose(film.x(), u, sum_x);
+        const int y = choose(film.y(), u, sum_y);
+        return {x, y, sum_x * sum_y};
+    }
 
 private:
     enum class Shape { box, tent, table };

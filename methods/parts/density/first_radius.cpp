@@ -67,40 +67,48 @@ std::size_t random_half(const Vec3& p) {
            1;
 }
 
+/// What counts of a photon.
+struct Trial {
+    double power;      ///< mean of the channels
+    std::size_t half;  ///< random_half()
+};
+
 /// Look-ups within r around the places.
 struct TriedRadius {
     double photons = 0;             ///< found in a look-up, in the mean
     double bias_over_variance = 0;  ///< squared bias over variance, of means over the passes
 };
 
-/// Tries a radius on the photons of several `passes` together; the result is that of one.
+/// Tries a radius on the photons of several `passes` together; the result is that of one. `trials` are those of the
+/// photons by index. Ends as soon as a look-up finds more than `most` photons in the mean.
 ///
 /// With photons of powers w, the density S(r) = sum w / (pi r^2) has the variance sum w^2 / (pi r^2)^2, because photons come
 /// as a Poisson process. Its bias is 2 (S(r) - S(r / sqrt 2)). The square of the bias is the product of those of two
 /// halves of the photons, in whose expectation their noise is absent. With alpha = 2/3 the variance of a mean over N
 /// passes is that of the first times N^(-2/3) / (2 - alpha), and on surfaces the squared bias is that of the first times
 /// N^(-2/3) / alpha^2, so the ratio is the same for any number of passes. In media (`dimensions` = 3) balls stand for discs.
-TriedRadius try_radius(double r, const PhotonMap& photons, double passes, const std::vector<WeighedPlace>& places,
-                       int dimensions) {
+TriedRadius try_radius(double r, const PhotonMap& photons, const std::vector<Trial>& trials, double passes,
+                       const std::vector<WeighedPlace>& places, int dimensions, double most) {
     constexpr double alpha = 2.0 / 3;
     const double outside = 1, inside = 1 - std::pow(double{narrow_radius}, -dimensions);
     const double narrow2 = sqr(double{narrow_radius} * r);
+    const double look_ups = passes * static_cast<double>(places.size());
     TriedRadius tried;
     double variance = 0, squared_bias = 0;
     for (const WeighedPlace& place : places) {
         std::array<double, 2> bias{};
         double squares = 0;
-        photons.within(place.p, static_cast<float>(r), [&](const Photon& photon, float distance2) {
-            const double power{photon.power().mean()};
+        photons.indices_within(place.p, static_cast<float>(r), [&](std::uint32_t photon, float distance2) {
+            const auto& [power, half] = trials[photon];
             tried.photons += power > 0 ? 1 : 0;
             squares += sqr(power);
-            bias[random_half(photon.p)] +=
-                double{bias_of_difference} * power * (distance2 < narrow2 ? inside : outside);
+            bias[half] += double{bias_of_difference} * power * (distance2 < narrow2 ? inside : outside);
         });
         variance += place.weight * squares;
         squared_bias += place.weight * (2 * bias[0]) * (2 * bias[1]);
+        if (tried.photons / look_ups > most) break;
     }
-    tried.photons /= passes * static_cast<double>(places.size());
+    tried.photons /= look_ups;
     // The sums grow with the passes: the variance of one pass is that of the sum over `passes`, its bias over `passes`^2.
     if (variance > 0) tried.bias_over_variance = squared_bias / (passes * variance) * (2 - alpha) / sqr(alpha);
     return tried;
@@ -137,10 +145,16 @@ double first_radius(const PhotonMap& photons, double passes, const std::vector<V
     const double longest = 0.1 * double{diagonal};
     const WeighedPlaces weighed_places = weighed(photons, places, dimensions, longest);
     if (!(weighed_places.quarter > 0)) return 0.02 * double{diagonal};
+    std::vector<Trial> trials;
+    for (std::size_t i = 0; i < photons.size(); ++i) {
+        const Photon photon = photons[i];
+        trials.push_back({double{photon.power().mean()}, random_half(photon.p)});
+    }
     const double step = std::pow(2.0, 1.0 / dimensions);
     double r = std::pow(weighed_places.quarter * photons_at_start * passes / nearest_photons, 1.0 / dimensions);
     for (; r * step < longest; r *= step) {
-        const TriedRadius larger = try_radius(r * step, photons, passes, weighed_places.places, dimensions);
+        const TriedRadius larger =
+            try_radius(r * step, photons, trials, passes, weighed_places.places, dimensions, most);
         if (larger.photons > most || larger.bias_over_variance > 4) break;
     }
     return r;

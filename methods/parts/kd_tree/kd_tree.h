@@ -68,6 +68,13 @@ public:
     /// Calls visit(point, distance2) for all points with distance2 <= radius^2, in the same order each time.
     template <typename Visit>
     void within(const Vec3& p, float radius, Visit&& visit) const;
+    /// The same with visit(index, distance2).
+    template <typename Visit>
+    void indices_within(const Vec3& p, float radius, Visit&& visit) const {
+        const float bound = radius * radius;
+        traverse(
+            p, [=] { return bound; }, visit);
+    }
 
 private:
     static constexpr std::uint32_t leaf_size = 8;
@@ -215,9 +222,7 @@ bool KdTree<Point>::any_within(const Vec3& p, float radius, Accept&& accept) con
 template <typename Point>
 template <typename Visit>
 void KdTree<Point>::within(const Vec3& p, float radius, Visit&& visit) const {
-    const float bound = radius * radius;
-    traverse(
-        p, [=] { return bound; }, [&](std::uint32_t index, float distance2) { visit((*this)[index], distance2); });
+    indices_within(p, radius, [&](std::uint32_t index, float distance2) { visit((*this)[index], distance2); });
 }
 
 }  // namespace gib

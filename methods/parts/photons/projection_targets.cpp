@@ -196,13 +196,16 @@ public:
           cosine_(std::cos(bundle.cone.half_angle)) {}
 
     bool can_meet(const Vec3& center, float radius) const {
-        const Vec3d to = center.cast<double>() - bundle_.center;
-        const double reach = static_cast<double>(radius) + bundle_.radius, d2 = to.squaredNorm();
+        // By coordinates: Eigen computes two at once and waits until these are together in memory.
+        const double x = double{center.x()} - bundle_.center.x(), y = double{center.y()} - bundle_.center.y(),
+                     z = double{center.z()} - bundle_.center.z();
+        const double reach = static_cast<double>(radius) + bundle_.radius, d2 = (x * x + y * y) + z * z;
         if (everywhere_ || d2 <= sqr(reach)) return true;
         const double adjacent = std::sqrt(d2 - sqr(reach));
         // If sin(alpha + beta) <= 0, with beta = asin((r + rho) / d), the sum is pi or more.
         if (sine_ * adjacent + cosine_ * reach <= 0) return true;
-        const double along = bundle_.cone.axis.dot(to);
+        const Vec3d& axis = bundle_.cone.axis;
+        const double along = (axis.x() * x + axis.y() * y) + axis.z() * z;
         return (bundle_.lines ? std::abs(along) : along) >= cosine_ * adjacent - sine_ * reach;
     }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <new>
 #include <type_traits>
 
 namespace gib {
@@ -24,7 +25,7 @@ void for_each_camera_ray(RayQueries& rays, std::size_t count, RayOf&& ray_of, Bo
     for (std::size_t first = 0; first < count; first += packet.size()) {
         const std::size_t in_packet = std::min(packet.size(), count - first);
         for (std::size_t i = 0; i < in_packet; ++i)
-            packet[i] = ray_of(first + i);
+            ::new (&packet[i]) Ray(ray_of(first + i));  // in place, since a copy would wait for its parts
         rays.trace_from_camera(std::span(packet).first(in_packet), found);
         for (std::size_t i = 0; i < in_packet; ++i)
             body(first + i, TracedRay{packet[i], found[i], hides_emitters});

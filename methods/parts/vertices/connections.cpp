@@ -8,9 +8,11 @@ namespace gib {
 
 namespace {
 
-/// The share of light that passes from vertex to vertex, by channel.
-Color transmitted(RayQueries& rays, const Segment& way, const Medium* medium, NumberStream& flights) {
-    return rays.scene().has_media() ? rays.transmittance(way, medium, flights) : rays.visibility(way);
+/// The share of light that passes along the segment way(), by channel. It is made where it is used, so that it stays in
+/// registers.
+template <typename Way>
+Color transmitted(RayQueries& rays, const Way& way, const Medium* medium, NumberStream& flights) {
+    return rays.scene().has_media() ? rays.transmittance(way(), medium, flights) : rays.visibility(way());
 }
 
 constexpr std::array lobe_kinds = {LobeKind::diffuse, LobeKind::specular};
@@ -65,7 +67,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     const Vec3 wi_local = eye.to_local(light->wi);
     const LobeValues scattered = scattered_to_camera(eye, light->wi, wi_local);
     if (is_black(scattered.sum())) return std::nullopt;
-    const Segment way{eye.origin(light->wi), light->target, light->wi, light->distance};
+    const auto way = [&] { return Segment{eye.origin(light->wi), light->target, light->wi, light->distance}; };
     const Color visible = transmitted(rays, way, eye.medium_towards(scene, light->wi), flights);
     if (is_black(visible)) return std::nullopt;
 
@@ -99,7 +101,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const LobeValues at_light = scattered_from_light(light, -w, w_light);
     if (is_black(at_light.sum()) || are_level(eye, light, between)) return std::nullopt;
     const Vec3 origin = eye.origin(w);
-    const Segment way{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))};
+    const auto way = [&] { return Segment{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))}; };
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
     if (is_black(visible)) return std::nullopt;
 

@@ -25,7 +25,8 @@ std::optional<LightEmission::Start> LightEmission::sample(const Sampler& sampler
     const auto u = sampler.at_start();
     Vec2 choice = u[dimension::emission_light];
     const Vec2 &position = u[dimension::emission_position], &direction = u[dimension::emission_direction];
-    EmissionSample sample;
+    std::optional<Start> start(std::in_place);
+    EmissionSample& sample = start->sample;
     if (!map_) {
         sample = scene_.sample_emission(choice.x(), position, direction);
     } else {
@@ -37,8 +38,9 @@ std::optional<LightEmission::Start> LightEmission::sample(const Sampler& sampler
         sample.power /= double{aimed ? aimed_share : 1.f - aimed_share};
     }
     const bool has_surface = std::holds_alternative<AreaLight>(scene_.lights()[sample.light]);
-    const float cos_light = has_surface ? sample.normal.dot(sample.ray.d) : 1.f;
-    return Start{sample, cos_light, density(sample.light, sample.ray.o, sample.ray.d, cos_light)};
+    start->cos_light = has_surface ? sample.normal.dot(sample.ray.d) : 1.f;
+    start->density = density(sample.light, sample.ray.o, sample.ray.d, start->cos_light);
+    return start;
 }
 
 double LightEmission::density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const {

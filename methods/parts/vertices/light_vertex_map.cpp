@@ -99,8 +99,7 @@ public:
             f = hit.bsdf->f_local(eye_.from_local, w_local, Transport::radiance);
             const float factor = shading_normal_factor(hit, w);
             f = {f.diffuse * factor, f.specular * factor};
-            pdf = {double{hit.bsdf->pdf_w_local(eye_.from_local, w_local, Lobes::all, Transport::radiance)},
-                   double{hit.bsdf->pdf_w_local(w_local, eye_.from_local, Lobes::all, Transport::power)}};
+            pdf = direction_pdfs(eye_, eye_.from_local, w_local);
         } else {
             const float phase = eye_.medium->phase().value(eye_.from, w);
             f = {.diffuse = Color::Constant(phase)};

@@ -113,7 +113,7 @@ private:
     const Scene& scene_;
     const PathRules& rules_;
     Visit visit_;
-    LightEmission::Start start_;
+    const LightEmission::Start& start_;
     const Light& light_;
     PathWalk walk_;
     TechniqueSums sums_;

@@ -128,9 +128,8 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
         const double phase{at.medium->phase().value(to_camera, to_light)};
         return {phase, phase};
     }
-    const Bsdf& bsdf = *at.hit->bsdf;
-    return {double{bsdf.pdf_w_local(to_camera, to_light, Lobes::all, Transport::radiance)},
-            double{bsdf.pdf_w_local(to_light, to_camera, Lobes::all, Transport::power)}};
+    const Bsdf::PairPdfs pdfs = at.hit->bsdf->pdfs_local(to_camera, to_light);
+    return {double{pdfs.radiance}, double{pdfs.power}};
 }
 
 /// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
