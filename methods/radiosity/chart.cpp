@@ -10,6 +10,8 @@ namespace {
 constexpr std::uint32_t no_chart = ~0u;
 constexpr double two_pi = 2 * std::numbers::pi;
 
+/// The largest distance of four points from a plane, as a share of their size, at which they are one quadrilateral.
+constexpr double planarity = 1e-6;
 /// Twice a chart's area over its longest diagonal or edge squared, below which it counts as a line.
 constexpr double least_shape = 1e-10;
 /// The extent of a chart over its distance from the origin below which rounding decides about its patches' corners.
@@ -26,18 +28,44 @@ Vec2d barycentric(const Vec3d& a, const Vec3d& e1, const Vec3d& e2, const Vec3d&
     return {d.cross(e2).dot(n) / scale, e1.cross(d).dot(n) / scale};
 }
 
+/// Inverse of Chart::position() on a convex quadrilateral, by Newton's method; a parallelogram takes one step.
+Vec2d bilinear_place(const Chart& chart, const Vec3d& p) {
+    const std::array<Vec3d, 4>& c = chart.corners;
+    Vec2d uv = Vec2d::Constant(0.5);
+    for (int step = 0; step < 16; ++step) {
+        const Vec3d du = (1 - uv.y()) * (c[1] - c[0]) + uv.y() * (c[2] - c[3]);
+        const Vec3d dv = (1 - uv.x()) * (c[3] - c[0]) + uv.x() * (c[2] - c[1]);
+        const Vec2d change = barycentric(chart.position(uv), du, dv, p);
+        uv = (uv + change).cwiseMax(-0.1).cwiseMin(1.1);
+        if (change.cwiseAbs().maxCoeff() < 1e-9) break;
+    }
+    return uv.cwiseMax(0.0).cwiseMin(1.0);
+}
+
 using TriangleCorners = std::array<Vec3d, 3>;
 
-/// The parallelogram that two triangles form with a shared edge; empty if they form none.
-std::optional<std::array<Vec3d, 4>> parallelogram_of(const TriangleCorners& a, const TriangleCorners& b) {
-    constexpr double rounding = 1e-6;  // share of its size
+Vec3d normal_of(const TriangleCorners& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
+double longest2(const TriangleCorners& t) {
+    return std::max({(t[1] - t[0]).squaredNorm(), (t[2] - t[1]).squaredNorm(), (t[0] - t[2]).squaredNorm()});
+}
+
+/// The quadrilateral that two triangles form; empty unless they share an edge, turn the same way and lie in one
+/// plane, and the quadrilateral is convex.
+std::optional<std::array<Vec3d, 4>> quad_of(const TriangleCorners& a, const TriangleCorners& b) {
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
             // The edge i -> i + 1 of the first runs the other way in the second.
             if (a[i] != b[(j + 1) % 3] || a[(i + 1) % 3] != b[j]) continue;
             const std::array<Vec3d, 4> q = {a[i], b[(j + 2) % 3], a[(i + 1) % 3], a[(i + 2) % 3]};
-            const double size = std::max((q[2] - q[0]).norm(), (q[3] - q[1]).norm());
-            if ((q[0] + q[2] - q[1] - q[3]).norm() <= rounding * size) return q;
+            const Vec3d n = normal_of(a).normalized();
+            if (std::abs(n.dot(q[1] - q[0])) > planarity * std::sqrt(longest2(a))) return std::nullopt;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const Vec3d turn = (q[(k + 1) % 4] - q[k]).cross(q[(k + 2) % 4] - q[(k + 1) % 4]);
+                if (!(turn.dot(n) > 1e-3 * std::sqrt((q[(k + 1) % 4] - q[k]).squaredNorm() *
+                                                     (q[(k + 2) % 4] - q[(k + 1) % 4]).squaredNorm())))
+                    return std::nullopt;
+            }
+            return q;
         }
     return std::nullopt;
 }
@@ -60,16 +88,6 @@ Vec3d point_of(const Shape& shape, const Vec2d& at, double wider = 1) {
     return cylinder.base.cast<double>() + at.y() * cylinder.axis.cast<double>() +
            wider * static_cast<double>(cylinder.radius) *
                (cosine * cylinder.s.cast<double>() + sine * cylinder.t.cast<double>());
-}
-
-/// The lengths of the longest lines around and along a curved shape, in its own coordinates.
-Vec2d lengths_of(const Shape& shape) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape))
-        return static_cast<double>(sphere->radius) * Vec2d(two_pi, 0.5 * two_pi);
-    if (const auto* disk = std::get_if<Disk>(&shape))
-        return static_cast<double>(std::max(disk->du.norm(), disk->dv.norm())) * Vec2d(two_pi, 1);
-    const auto& cylinder = std::get<Cylinder>(shape);
-    return Vec2d(two_pi * static_cast<double>(cylinder.radius), static_cast<double>(cylinder.axis.norm()));
 }
 
 /// Twice the area of the quadrilateral of chords over the cell from `lower` to `upper`.
@@ -126,8 +144,12 @@ std::uint32_t Charts::add(Chart chart) {
     if (!(turn.norm() > least_shape * longest2) || !(longest2 > sqr(least_resolution * place))) return no_chart;
     chart.reversed = turn.dot(surface_at(chart, Vec2d::Constant(0.25)).ng.cast<double>()) < 0;
     std::sort(outline.begin(), outline.end());
-    const auto [twin, is_new] = known_.try_emplace(outline, static_cast<std::uint32_t>(charts_.size()));
-    if (is_new) charts_.push_back(chart);
+    const auto number = static_cast<std::uint32_t>(charts_.size());
+    const auto [twin, is_new] = known_.try_emplace(outline, number);
+    if (is_new) {
+        charts_.push_back(chart);
+        return number;
+    }
     const Vec2d middle = Vec2d::Constant(0.25);
     const bool faces_the_same_way =
         surface_at(chart, middle).ng.dot(surface_at(charts_[twin->second], middle).ng) > 0.f;
@@ -146,7 +168,7 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
         const auto number = static_cast<std::uint32_t>(i);
         Chart chart{.shape = shape, .instance = instance, .primitive = number, .second = number, .triangle = true};
         chart.corners = {here[0], here[1], here[2], here[2]};
-        const auto quad = i + 1 < count ? parallelogram_of(here, corners(i + 1)) : std::nullopt;
+        const auto quad = i + 1 < count ? quad_of(here, corners(i + 1)) : std::nullopt;
         if (quad) {
             chart.triangle = false;
             chart.corners = *quad;
@@ -159,9 +181,18 @@ void Charts::add_mesh(const Mesh& mesh, std::uint32_t shape, std::uint32_t insta
 
 void Charts::add_curved(std::uint32_t shape, std::uint32_t instance) {
     const Shape& s = scene_.shapes()[shape];
-    const double stretch =
-        instance == no_instance ? 1 : scene_.instances()[instance].linear.colwise().norm().maxCoeff();
-    const Vec2d length = stretch * lengths_of(s);
+    // The lengths of the longest lines around and along the shape, of chords.
+    Vec2d length = Vec2d::Zero();
+    constexpr int chords = 32;
+    for (const double across : {0.0, 0.25, 0.5, 1.0}) {
+        Vec2d sum = Vec2d::Zero();
+        const auto at = [&](double around, double along) { return to_scene(point_of(s, {around, along}), instance); };
+        for (int i = 0; i < chords; ++i) {
+            const double from = static_cast<double>(i) / chords, to = static_cast<double>(i + 1) / chords;
+            sum += Vec2d((at(to, across) - at(from, across)).norm(), (at(across, to) - at(across, from)).norm());
+        }
+        length = length.cwiseMax(sum);
+    }
     const auto pieces = [&](double whole, std::uint32_t least) {
         return std::max(least, static_cast<std::uint32_t>(std::clamp(std::ceil(whole / size_), 1.0, most_pieces)));
     };
@@ -205,11 +236,22 @@ SurfaceHit Charts::surface_at(const Chart& chart, const Vec2d& uv) const {
         p = to_scene(point_of(shape, chart.lower + uv.cwiseProduct(chart.upper - chart.lower)), chart.instance);
     } else {
         const auto& mesh = std::get<Mesh>(shape);
-        if (uv.x() > uv.y()) at.primitive = chart.second;  // the half with the corner at (1, 0)
-        const auto corner = [&](std::size_t k) {
-            return to_scene(mesh.vertex(mesh.triangles[at.primitive][k]).cast<double>(), chart.instance);
+        const auto place = [&](std::uint32_t primitive) {
+            const auto& t = mesh.triangles[primitive];
+            const auto corner = [&](std::size_t k) {
+                return to_scene(mesh.vertex(t[k]).cast<double>(), chart.instance);
+            };
+            return barycentric(corner(0), corner(1) - corner(0), corner(2) - corner(0), p);
         };
-        const Vec2d b = barycentric(corner(0), corner(1) - corner(0), corner(2) - corner(0), p);
+        const auto outside = [](const Vec2d& b) { return std::max({-b.x(), -b.y(), b.x() + b.y() - 1}); };
+        Vec2d b = place(chart.primitive);
+        if (outside(b) > 0) {
+            const Vec2d other = place(chart.second);
+            if (outside(other) < outside(b)) {
+                b = other;
+                at.primitive = chart.second;
+            }
+        }
         at.u = static_cast<float>(b.x());
         at.v = static_cast<float>(b.y());
     }
@@ -237,10 +279,11 @@ std::optional<Charts::Place> Charts::locate(const SurfaceHit& hit) const {
     }
     const std::uint32_t chart = chart_of_[object.first + hit.primitive];
     if (chart == no_chart) return std::nullopt;
+    const Vec3d p = hit.p.cast<double>();
+    if (!charts_[chart].triangle) return Place{chart, bilinear_place(charts_[chart], p)};
     const auto& c = charts_[chart].corners;
-    Vec2d uv = barycentric(c[0], c[1] - c[0], c[3] - c[0], hit.p.cast<double>()).cwiseMax(0.0);
-    if (!charts_[chart].triangle) uv = uv.cwiseMin(1.0);
-    else if (uv.sum() > 1) uv /= uv.sum();
+    Vec2d uv = barycentric(c[0], c[1] - c[0], c[3] - c[0], p).cwiseMax(0.0);
+    if (uv.sum() > 1) uv /= uv.sum();
     return Place{chart, uv};
 }
 

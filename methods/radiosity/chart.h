@@ -1,8 +1,9 @@
 #pragma once
 // Charts are the flat pieces of a scene's surfaces that radiosity divides into patches, with two coordinates u and v
-// each. Two triangles of a mesh that form a parallelogram are one chart; every other triangle is one of its own.
-// Spheres, disks and cylinders are cut into quadrilaterals at the start; those at a pole have two corners in the same
-// place. If several surfaces lie in the same place, rays meet only the first of them, so only the first has a chart.
+// each. Two coplanar triangles of a mesh that form a convex quadrilateral (often a parallelogram) are one chart; every
+// other triangle is one of its own. Spheres, disks and cylinders are cut into quadrilaterals at the start; those at a
+// pole have two corners in the same place. If several surfaces lie in the same place, rays meet only the first of
+// them, so only the first has a chart.
 
 #include "methods/parts/transport/ray_queries.h"
 #include "methods/radiosity/form_factors/polygon_form_factor.h"
@@ -17,7 +18,7 @@ namespace gib {
 struct Chart {
     std::uint32_t shape, instance;                       ///< as SurfaceHit has them
     std::uint32_t primitive = 0;                         ///< number of the first triangle in a mesh
-    std::uint32_t second = 0;                            ///< number of the other triangle of a mesh's parallelogram
+    std::uint32_t second = 0;                            ///< number of the other triangle of a mesh's quadrilateral
     bool triangle = false;                               ///< three corners: u + v <= 1
     bool curved = false;                                 ///< cut from a sphere, disk or cylinder
     bool reversed = false;                               ///< true if u turns to v clockwise, seen from the front

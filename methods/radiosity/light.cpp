@@ -169,18 +169,32 @@ public:
     }
 
     /// Covers the points of a leaf to which no light gets: those under something that lies close above them, and those
-    /// under something that stands on the leaf, such as a block without a bottom. They are dark and see no light on
-    /// other patches, though other points of the leaf do.
+    /// under something that stands on the leaf, such as a block without a bottom. They are dark, see no light on other
+    /// patches, and no straight line leads to them from points that do.
     void leave_out_covered(RayQueries& queries, std::size_t n) {
         const std::uint32_t i = mesh_.leaves()[n];
-        const auto [first, count] = light_.points_of[i];
-        std::vector<std::uint32_t> covered;
-        for (std::uint32_t k = first; k < first + count; ++k)
-            if (irradiance_[k].sum() == 0 && !sees_light(queries, k)) covered.push_back(k);
-        in_light_[i] = covered.size() < count;
-        if (!in_light_[i] || mesh_.chart_of(mesh_.nodes()[i]).curved) return;
-        for (const std::uint32_t k : covered)
-            light_.points[k].share *= static_cast<float>(Contacts::covered);
+        std::vector<std::uint32_t> lit, dark;
+        for (std::uint32_t k = light_.points_of[i].first; k < light_.points_of[i].first + light_.samples; ++k)
+            (irradiance_[k].sum() > 0 ? lit : dark).push_back(k);
+        in_light_[i] =
+            !lit.empty() || std::ranges::any_of(dark, [&](std::uint32_t k) { return sees_light(queries, k, 1); });
+        if (dark.empty() || !in_light_[i] || mesh_.chart_of(mesh_.nodes()[i]).curved) return;
+        if (lit.empty()) {
+            // Whether something stands on the patch or lies close above it.
+            if (std::ranges::all_of(dark, [&](std::uint32_t k) {
+                    return is_free(queries, dark.front(), k) && !lies_under_something(queries, k);
+                }))
+                return;
+            std::ranges::copy_if(dark, std::back_inserter(lit),
+                                 [&](std::uint32_t k) { return sees_light(queries, k); });
+            if (lit.empty()) return;
+        }
+        for (const std::uint32_t k : dark) {
+            if (!lies_under_something(queries, k) &&
+                std::ranges::any_of(lit, [&](std::uint32_t other) { return is_free(queries, other, k); }))
+                continue;
+            if (!sees_light(queries, k)) light_.points[k].share *= static_cast<float>(Contacts::covered);
+        }
     }
 
     const std::vector<char>& in_light() const { return in_light_; }
@@ -207,6 +221,24 @@ public:
     }
 
 private:
+    /// Whether a straight line just above the surface leads from one point to the other.
+    bool is_free(RayQueries& queries, std::uint32_t a, std::uint32_t b) const {
+        const auto above = [&](std::uint32_t k) -> Vec3 {
+            return light_.points[k].p + 2 * static_cast<float>(contacts_.reach()) * light_.points[k].ng;
+        };
+        const Vec3 way = above(b) - above(a);
+        const float distance = way.norm();
+        return !(distance > 0.f) || queries.visibility({above(a), above(b), way / distance, distance}).maxCoeff() > 0.f;
+    }
+
+    /// Whether something lies above a point, much closer than the patch is large.
+    bool lies_under_something(RayQueries& queries, std::uint32_t k) const {
+        const PatchLight::Point& point = light_.points[k];
+        const Vec3 origin = offset_origin(point, point.ng);
+        const float distance = 0.1f * static_cast<float>(mesh_.size());
+        return queries.visibility({origin, origin + distance * point.ng, point.ng, distance}).maxCoeff() == 0.f;
+    }
+
     std::uint32_t nearest_point(std::uint32_t leaf, const Vec3& p) const {
         const auto first = light_.points.begin() + light_.points_of[leaf].first;
         const auto distance2 = [&](const SurfacePoint& point) { return (point.p - p).squaredNorm(); };
@@ -215,8 +247,7 @@ private:
     }
 
     /// Whether one of the first rays from a point meets a patch with direct light.
-    bool sees_light(RayQueries& queries, std::uint32_t k) const {
-        constexpr std::uint32_t rays = 8;
+    bool sees_light(RayQueries& queries, std::uint32_t k, std::uint32_t rays = 8) const {
         const PatchLight::Point& point = light_.points[k];
         for (std::uint32_t r = 0; r < rays; ++r) {
             const Vec2 u = Sampler(PointSet::sobol, seed_, k, r).get_2d(on_patch + 1);
@@ -266,6 +297,19 @@ void expect(const PatchMesh& mesh, const std::vector<char>& in_light, PatchLight
     }
 }
 
+/// A leaf of a node, chosen in proportion to its area. The number that chooses a half is used again in that half.
+template <typename Area>
+std::uint32_t chosen_leaf(const PatchMesh& mesh, std::uint32_t node, double& u, Area&& area) {
+    while (!mesh.nodes()[node].is_leaf()) {
+        const std::uint32_t child = mesh.nodes()[node].child;
+        const double share = area(child) / (area(child) + area(child + 1));
+        const bool first = u < share;
+        u = first ? u / share : (u - share) / (1 - share);
+        node = first ? child : child + 1;
+    }
+    return node;
+}
+
 }  // namespace
 
 Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
@@ -275,15 +319,14 @@ Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
 }
 
 const PatchLight::Point& PatchLight::open_point(const PatchMesh& mesh, std::uint32_t node, double u) const {
-    while (!mesh.nodes()[node].is_leaf()) {
-        const std::uint32_t child = mesh.nodes()[node].child;
-        const double share = area[child] / (area[child] + area[child + 1]);
-        const bool first = u < share;
-        u = first ? u / share : (u - share) / (1 - share);  // the number that chooses a half is used again in that half
-        node = first ? child : child + 1;
-    }
-    const auto [first, count] = points_of[node];
+    const std::uint32_t leaf = chosen_leaf(mesh, node, u, [&](std::uint32_t i) { return area[i]; });
+    const auto [first, count] = points_of[leaf];
     return points[first + std::min(static_cast<std::uint32_t>(u * count), count - 1)];
+}
+
+const PatchLight::Point& PatchLight::any_point(const PatchMesh& mesh, std::uint32_t node, double u) const {
+    const std::uint32_t leaf = chosen_leaf(mesh, node, u, [&](std::uint32_t i) { return mesh.nodes()[i].area; });
+    return points[points_of[leaf].first + std::min(static_cast<std::uint32_t>(u * samples), samples - 1)];
 }
 
 PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,

@@ -33,8 +33,9 @@ struct PatchLight {
     std::vector<Range> points_of;  ///< by node: the points of a leaf that are not covered; all if all are
     std::uint32_t samples = 0;
 
-    /// A point of a node, chosen by the number u in [0, 1) evenly from the area to which light gets.
+    /// A point of a node, chosen by the number u in [0, 1): evenly from the area to which light gets, or from the whole.
     const Point& open_point(const PatchMesh& mesh, std::uint32_t node, double u) const;
+    const Point& any_point(const PatchMesh& mesh, std::uint32_t node, double u) const;
 };
 
 /// Reflectance of the diffuse lobes at a hit seen from wo, in [0, 1]; 0 where there are none. If the diffuse lobes

@@ -94,8 +94,12 @@ public:
         const bool shadow_matters = !leaves && carried >= allowed_;
         const auto visible = visibility(rays, pair, leaves ? few_rays : more_rays, shadow_matters);
         if (!visible) return split(pair, pairs);
-        const double exchange = *visible * unoccluded(pair.p, pair.q);
-        if (exchange > 0) links.push_back({pair.p, pair.q, static_cast<float>(exchange)});
+        const double passing = *visible > 0 ? *visible * open_share(pair) : 0;
+        const double areas = light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
+        const bool cluster = p.is_cluster() || q.is_cluster();
+        const double exchange = unoccluded(p, q) * passing / (cluster ? areas : 1);
+        if (!(exchange > 0)) return;
+        links.push_back({pair.p, pair.q, static_cast<float>(exchange), static_cast<float>(passing / areas)});
     }
 
 private:
@@ -148,12 +152,30 @@ private:
         return least == 1 ? 1 : passed / total;
     }
 
-    /// The exchange without obstacles between the areas to which light gets.
-    double unoccluded(std::uint32_t from, std::uint32_t to) const {
-        const PatchNode& p = nodes_[from];
-        const PatchNode& q = nodes_[to];
+    /// The share of the exchange without obstacles that lies between the areas to which light gets. Links with clusters
+    /// are between these areas anyhow.
+    double open_share(const Pair& pair) const {
+        const PatchNode& p = nodes_[pair.p];
+        const PatchNode& q = nodes_[pair.q];
+        if (p.is_cluster() || q.is_cluster()) return light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
+        if (light_.area[pair.p] > 0.999 * p.area && light_.area[pair.q] > 0.999 * q.area) return 1;
+        constexpr std::uint32_t pairs = 32;
+        const double area = std::min(p.area, q.area);
+        double total = 0, open = 0;
+        for (std::uint32_t i = 0; i < pairs; ++i) {
+            const Vec2d u = Sampler(PointSet::sobol, seed_, 0, i).get_2d(0).cast<double>();
+            const PatchLight::Point& from = light_.any_point(mesh_, pair.p, u.x());
+            const PatchLight::Point& to = light_.any_point(mesh_, pair.q, u.y());
+            const double weight = light_between(from, to, area);
+            total += weight;
+            open += weight * static_cast<double>(from.share * to.share);
+        }
+        return total > 0 ? open / total : light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
+    }
+
+    double unoccluded(const PatchNode& p, const PatchNode& q) const {
         if (p.is_cluster() || q.is_cluster()) return 1 / (std::numbers::pi * (q.center - p.center).squaredNorm());
-        return light_.area[from] * light_.area[to] / q.area * polygon_form_factor(p.polygon, q.polygon);
+        return p.area * polygon_form_factor(p.polygon, q.polygon);
     }
 
     const PatchMesh& mesh_;

@@ -17,6 +17,7 @@ namespace gib {
 struct PatchLink {
     std::uint32_t p, q;  ///< nodes
     float exchange;      ///< G [scene units^2]; with a cluster V / (pi r^2) [scene units^-2]
+    float visible;       ///< V
 };
 
 struct LinkSettings {

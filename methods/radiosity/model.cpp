@@ -98,7 +98,7 @@ bool RadiosityModel::advance() {
     if (has_converged()) return false;
     const auto timer = stages_.time("solution");
     if (!solution_->has_converged()) solution_->sweep();
-    E_ = system_->irradiance(solution_->radiosity());
+    E_ = system_->irradiance_at_centres(solution_->radiosity());
     E_at_corners_.clear();
     for (const Colord& E : corners_->values(E_, light_.area))
         E_at_corners_.push_back(E.cast<float>());

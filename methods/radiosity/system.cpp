@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace gib {
 
@@ -46,8 +47,8 @@ void RadiositySystem::sort_links(const std::vector<PatchLink>& links) {
     links_.resize(first_link_.back());
     std::vector<std::size_t> next(first_link_.begin(), first_link_.end() - 1);
     for (const PatchLink& link : links) {
-        links_[next[link.p]++] = {link.q, link.exchange};
-        links_[next[link.q]++] = {link.p, link.exchange};
+        links_[next[link.p]++] = {link.q, link.exchange, link.visible};
+        links_[next[link.q]++] = {link.p, link.exchange, link.visible};
     }
 }
 
@@ -117,6 +118,45 @@ PatchColors RadiositySystem::gathered(const PatchColors& X) const {
             for (std::uint32_t above = nodes[i].parent; above != no_node && nodes[above].is_cluster();
                  above = nodes[above].parent)
                 gather(above);
+        }
+    });
+    return E;
+}
+
+PatchColors RadiositySystem::irradiance_at_centres(PatchColors X) const {
+    PatchColors E = gathered_at_centres(std::move(X));
+    if (!is_closed_) return E;
+    // In a closed scene all of the hemisphere is seen.
+    const PatchColors sums = gathered_at_centres(ones());
+    for (const std::uint32_t leaf : leaves())
+        if (sums[leaf][0] > 0) E[leaf] /= sums[leaf];
+    return E;
+}
+
+PatchColors RadiositySystem::gathered_at_centres(PatchColors X) const {
+    const auto& nodes = mesh_.nodes();
+    pull(X);
+    const PatchColors sent = sent_over_clusters(X);
+    PatchColors E(node_count(), Colord::Zero());
+    parallel_blocks(leaves().size(), nodes_per_block / 16, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t leaf = leaves()[k];
+            const Vec3d &x = nodes[leaf].center, &normal = nodes[leaf].polygon.normal;
+            for (std::uint32_t node = leaf; node != no_node; node = nodes[node].parent)
+                for (std::size_t n = first_link_[node]; n < first_link_[node + 1]; ++n) {
+                    const PatchNode& other = nodes[links_[n].other];
+                    const auto visible = static_cast<double>(links_[n].visible);
+                    if (other.is_cluster()) {
+                        const Vec3d way = other.center - x;
+                        const double cosine = normal.dot(way.normalized());
+                        if (cosine > 0) E[leaf] += visible * cosine / (std::numbers::pi * way.squaredNorm()) * sent[n];
+                    } else if (node == leaf && other.is_leaf()) {
+                        E[leaf] += static_cast<double>(links_[n].exchange) / area(leaf) * X[links_[n].other];
+                    } else {
+                        E[leaf] += visible * area(links_[n].other) / other.area *
+                                   point_form_factor(x, normal, other.polygon) * X[links_[n].other];
+                    }
+                }
         }
     });
     return E;

@@ -36,7 +36,7 @@ public:
 
     struct Link {
         std::uint32_t other;
-        float exchange;  ///< as PatchLink has it
+        float exchange, visible;  ///< as PatchLink has them
     };
     std::span<const Link> links_of(std::uint32_t node) const {
         return {links_.data() + first_link_[node], first_link_[node + 1] - first_link_[node]};
@@ -46,6 +46,9 @@ public:
 
     /// E = K X [W/m^2] of all leaves; the values of groups in X are ignored.
     PatchColors irradiance(PatchColors X) const;
+    /// K X once more for display: light that arrives at the groups around a leaf is taken at the leaf's centre, instead
+    /// of being constant over the group (Lischinski, Tampieri and Greenberg 1993, second step).
+    PatchColors irradiance_at_centres(PatchColors X) const;
     /// Power [W] of |values| over the leaves, by channel.
     Colord power(const PatchColors& values) const;
 
@@ -66,6 +69,7 @@ private:
     Colord sent_towards(std::uint32_t node, const Vec3d& w, const PatchColors& X) const;
     PatchColors sent_over_clusters(const PatchColors& X) const;
     PatchColors gathered(const PatchColors& X) const;
+    PatchColors gathered_at_centres(PatchColors X) const;
 
     const PatchMesh& mesh_;
     const PatchLight& light_;

@@ -43,12 +43,12 @@ std::vector<NamedShape> shapes() {
     const std::string pyramid =
         obj_shape("pyramid.obj",
                   "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", scale(2));
-    // A quadrilateral of two triangles, which is no parallelogram.
+    // One quadrilateral of two triangles, which is no parallelogram.
     const std::string trapezoid =
         obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
     return {
         {"pyramid", pyramid, 16 * std::numbers::sqrt2, 4},
-        {"trapezoid", trapezoid, 5, 2},
+        {"trapezoid", trapezoid, 5, 1},
         {"rectangle", tilted("rectangle", scale(3, 0.5, 1)), 6, 1},
         {"cube", tilted("cube", scale(1, 2, 3)), 8 * (2 + 3 + 6), 6},
         {"sphere", tilted("sphere", scale(2)), 16 * pi, 0},
