@@ -183,14 +183,14 @@ class ViewerPanel {
     const {name} = quantities[this.state.quantity];
     this.legend.hidden = !this.isMap && tones[this.state.tone] !== "false colour";
     if (this.legend.hidden) return;
-    const brightest = brightest(this.state), end = percent(brightest);
+    const most = brightest(this.state), end = percent(most);
     const luminance = (log) => number(2 ** (log - this.state.stops), 3);
     const [low, high, words] = {
       image: [luminance(falseColours.low), luminance(falseColours.high), "luminance [W/(sr m²)], logarithmic"],
       error: [
         ["0", `${end} and more`, "relative error of a pixel, |x − r| / √(r² + ε), mean of the channels"],
-        ["0", `${number(brightest, 3)} and more`, "what the squared relative RMSE is the mean of, (x − r)² / (r² + ε)"],
-        ["0", `${number(brightest, 3)} and more`, "|x − r| [W/(sr m²)], mean of the channels"]][this.state.error],
+        ["0", `${number(most, 3)} and more`, "what the squared relative RMSE is the mean of, (x − r)² / (r² + ε)"],
+        ["0", `${number(most, 3)} and more`, "|x − r| [W/(sr m²)], mean of the channels"]][this.state.error],
       bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels; grey: the seeds do not tell it from 0"],
       FLIP: ["0", "1", "FLIP: how much of a difference a viewer sees at 67 pixels per degree"],
     }[name];

@@ -3,15 +3,15 @@ const errorParts = {bias2: {name: "bias²", column: 1}, variance: {name: "varian
 
 function partSets(points, part) {
   const {name, column} = errorParts[part];
-  const color = color(part === "bias2" ? "--bias" : "--noise");
+  const hue = color(part === "bias2" ? "--bias" : "--noise");
   const isResolved = (p) => p[column] > 0 && !(p[column + 1] <= 0);
   const at = (p, y) => ({x: p[0], y, low: p[column + 1], high: p[column + 2]});
   const shown = points.filter(isResolved);
-  const band = shown.filter((p) => p[column + 1] > 0);
+  const resolved = shown.filter((p) => p[column + 1] > 0);
   return [
-    pointSet(name, color, shown.map((p) => at(p, p[column])), part === "variance" ? {pointStyle: "rect"} : {}),
-    ...band(name, color, band.map((p) => at(p, p[column + 1])), band.map((p) => at(p, p[column + 2]))),
-    pointSet(name, color, points.filter((p) => !isResolved(p) && p[column + 2] > 0)
+    pointSet(name, hue, shown.map((p) => at(p, p[column])), part === "variance" ? {pointStyle: "rect"} : {}),
+    ...band(name, hue, resolved.map((p) => at(p, p[column + 1])), resolved.map((p) => at(p, p[column + 2]))),
+    pointSet(name, hue, points.filter((p) => !isResolved(p) && p[column + 2] > 0)
       .map((p) => ({x: p[0], y: p[column + 2], isBound: true})),
     {showLine: false, pointBackgroundColor: "transparent", pointStyle: "triangle", pointRotation: 180}),
   ];
