@@ -26,13 +26,16 @@ std::vector<ErrorPoint> squared(const std::vector<CurvePoint>& curve) {
     return points;
 }
 
-/// The law of a run that has not reached the target. With fewer points than a law needs, that of independent samples.
+/// The law of independent samples through the last point of a run.
+ErrorLaw law_through_end(const Cell& cell, const CurvePoint& last) {
+    return {.factor = sqr(last.error) * (last.seconds - cell.prepare_seconds), .start = cell.prepare_seconds};
+}
+
+/// The law of a run that has not reached the target.
 ErrorLaw law_of(const Cell& cell, const std::vector<CurvePoint>& curve) {
-    const double error2 = sqr(curve.back().error);
-    if (cell.converged) return {.floor = error2};
+    if (cell.converged) return {.floor = sqr(curve.back().error)};
     const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
-    if (price) return price->law;
-    return {.factor = error2 * (curve.back().seconds - cell.prepare_seconds), .start = cell.prepare_seconds};
+    return price ? price->law : law_through_end(cell, curve.back());
 }
 
 /// The mean of the values with its 95 % interval.
@@ -54,29 +57,44 @@ double mean_over(const std::vector<Cell>& cells, const std::function<double(cons
     return sum / static_cast<double>(cells.size());
 }
 
-/// The time to a target that not all runs have reached, by the law of all of them (`told`), else by that of each. It lies beyond
-/// every run that has not reached the target: a law that says less is contradicted by that run. It has an upper end only if the
-/// law tells it, or if there is no floor; one run tells none, nor does an interval that is too wide to say anything, nor a time far
-/// beyond the runs.
-Estimate extrapolated(const std::vector<Cell>& cells, const std::optional<Extrapolation>& told, double target,
-                      bool is_unbiased) {
-    Estimate time{told ? told->seconds : 0, told ? told->interval : std::nullopt};
-    if (!told) {
-        std::vector<double> logs;
-        for (const Cell& cell : cells)
-            logs.push_back(std::log(estimated_time(cell, target).seconds));
-        time = mapped(with_interval_of(logs), std::exp);
+/// The runs of an unbiased method that have not all reached the target: each one's time by its law without a floor.
+Estimate time_without_floor(const std::vector<Cell>& cells, double target) {
+    std::vector<double> logs;
+    for (const Cell& cell : cells) {
+        const auto curve = curve_of(cell);
+        const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
+        const auto crossing = time_to_error({curve}, target);
+        const ErrorLaw law = price ? price->floorless : law_through_end(cell, curve.back());
+        logs.push_back(std::log(crossing ? crossing->value : law.seconds_to(sqr(target)).value_or(infinity)));
     }
+    return mapped(with_interval_of(logs), std::exp);
+}
+
+/// The same for a method that may have a floor: from the time without one to that with the highest floor that the runs allow.
+Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<PriceLaw>& price, double target) {
+    const double without = time_without_floor(cells, target).value;
+    if (!price) return {without, Interval{without, infinity}};
+    const double least = std::min(without, price->floorless.seconds_to(sqr(target)).value_or(without));
+    ErrorLaw worst = price->law;
+    worst.floor = price->floor.interval ? price->floor.interval->hi : infinity;
+    const double most = worst.seconds_to(sqr(target)).value_or(infinity);
+    const double likely = price->law.seconds_to(sqr(target)).value_or(least);
+    return {likely, Interval{std::min(least, likely), std::max(most, likely)}};
+}
+
+/// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
+/// contradicted by that run, and tells no upper end. One run tells none either, nor does an interval that is too wide to say
+/// anything, nor a time far beyond the runs.
+Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
     double longest = 0;
     for (const Cell& cell : cells)
         if (!(curve_of(cell).back().error <= target)) longest = std::max(longest, cell.last().seconds);
     const double farthest = farthest_extrapolation * longest;
-    if (!(time.value > longest)) return {longest, Interval{longest, infinity}};
-    const double lo = std::clamp(time.interval ? time.interval->lo : told ? time.value : 0, longest, farthest);
-    if (time.value > farthest) return {lo, Interval{lo, infinity}};
-    const bool has_end = time.interval && (told || is_unbiased);
-    const bool is_wide = !has_end || time.interval->hi > widest_interval * lo;
-    return {time.value, Interval{lo, is_wide ? infinity : std::max(time.interval->hi, lo)}};
+    const double lo = std::clamp(seconds.interval ? seconds.interval->lo : 0, longest, farthest);
+    if (!(seconds.value > longest)) return {longest, Interval{longest, infinity}};
+    if (seconds.value > farthest) return {lo, Interval{lo, infinity}};
+    const double hi = seconds.interval ? seconds.interval->hi : infinity;
+    return {seconds.value, Interval{lo, hi > widest_interval * lo ? infinity : std::max(hi, lo)}};
 }
 
 /// The passes of a run after so many seconds at the pace of its last image.
@@ -140,14 +158,15 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     verdict.passes = passes_after(cells, verdict.seconds_of_error);
     const bool converged = verdict.error > target && have_converged(runs);
     const auto price = fit_price_law(points, mean_over(cells, [](const Cell& cell) { return cell.prepare_seconds; }));
-    const auto told = price ? price->extrapolate(sqr(target), is_unbiased) : std::nullopt;
-    if (converged || (told && told->kind == Extrapolation::Kind::never)) {
+    const bool has_floor = !is_unbiased && price && price->floor.interval && price->floor.interval->lo > sqr(target);
+    if (converged || has_floor) {
         verdict.state = Verdict::not_reachable;
         verdict.floor = converged ? with_interval_of(errors) : mapped(price->floor, std::sqrt);
         return verdict;
     }
     verdict.state = Verdict::extrapolated;
-    verdict.seconds = extrapolated(cells, told, target, is_unbiased);
+    verdict.seconds = beyond_runs(
+        is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
 }
@@ -167,20 +186,24 @@ std::vector<double> shared_seconds(const std::vector<double>& wanted, double sec
 std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
                                       double seconds, double besides) {
     constexpr double most_for_one = 0.8;
-    std::size_t promising = 2, left = wanted.size();
+    constexpr std::size_t promising = 2;
+    const auto even = shared_seconds(wanted, seconds, besides);
+    std::size_t reached = 0, left = wanted.size();  // by even shares
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+        reached += even[i] >= needed[i] ? 1 : 0;
     std::vector<double> shares(wanted.size()), wanted_by_others;
     std::vector<std::size_t> others;
     for (const std::size_t i : order_of(needed)) {
-        const double most = most_for_one * (seconds - besides * static_cast<double>(left--));
-        if (promising > 0 && needed[i] <= most) {
+        const double most = most_for_one * (seconds - besides * static_cast<double>(left));
+        if (wanted.size() - left-- - others.size() < promising && needed[i] <= most) {
             shares[i] = std::clamp(wanted[i], needed[i], most);
             seconds -= shares[i] + besides;
-            --promising;
         } else {
             others.push_back(i);
             wanted_by_others.push_back(wanted[i]);
         }
     }
+    if (wanted.size() - others.size() <= reached) return even;
     const auto rest = shared_seconds(wanted_by_others, seconds, besides);
     for (std::size_t n = 0; n < others.size(); ++n)
         shares[others[n]] = rest[n];
