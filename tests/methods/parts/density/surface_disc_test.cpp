@@ -238,8 +238,8 @@ TEST(FlatRegions, KnowWhereNoSurfaceIsNear) {
             for (float z = -0.98f; z < 1.f; z += 0.0917f) {
                 const Vec3 p(x, y, z);
                 const float wall = std::abs(x - 0.5f);
-                const float nearest = std::min({std::abs(z), wall, std::abs((p - middle).norm() - radius)});
-                EXPECT_FALSE(regions.empty_around(p, 1.001f * nearest)) << p.transpose();
+                const float surface = std::min({std::abs(z), wall, std::abs((p - middle).norm() - radius)});
+                EXPECT_FALSE(regions.empty_around(p, 1.001f * surface)) << p.transpose();
                 const float in_grid = std::min({std::abs(z), wall, (p - middle).cwiseAbs().maxCoeff() - radius});
                 const float surely = std::min(in_grid - 2.1f * voxel, 4.9f * voxel);
                 if (!(surely > 0.f)) continue;
