@@ -178,8 +178,8 @@ bool HardCase::is_for(const MethodUnderTest& method) const {
 }
 
 bool HardCase::is_for_variant(const MethodUnderTest& variant) const {
-    return std::any_of(variants.begin(), variants.end(), [&](const std::string& name) {
-        return name == variant.name || (name == "all" && is_for(variant));
+    return std::any_of(variants.begin(), variants.end(), [&](const std::string& named) {
+        return named == variant.name || (named == "all" && is_for(variant));
     });
 }
 
