@@ -26,8 +26,8 @@ struct SurfacePoint {
 inline Vec3 normal_towards(const SurfacePoint& s, const Vec3& wo) { return wo.dot(s.ng) >= 0.f ? s.ng : Vec3(-s.ng); }
 
 struct SurfaceGeometry : SurfacePoint {
-    Vec3 ns;  ///< shading normal, unit
-    Vec2 uv;
+    Vec3 ns;                      ///< shading normal, unit
+    Vec2 uv;                      ///< of a hit only where its material or emission asks for it
     std::uint32_t primitive = 0;  ///< number of the triangle in a mesh
     Vec2 weights = Vec2::Zero();  ///< barycentric weights of the triangle's second and third vertex
 
