@@ -50,7 +50,8 @@ float ReconstructionFilter::sample(float u) const {
 
 float ReconstructionFilter::sample_table(float u) const {
     const std::size_t cells = first_.size();
-    std::size_t cell = first_[static_cast<std::size_t>(u * static_cast<float>(cells))];
+    std::size_t cell =
+        first_[std::min(static_cast<std::size_t>(u * static_cast<float>(cells)), cells - 1)];  // u may be 1
     while (cell + 1 < cells && cumulative_[cell + 1] <= u)
         ++cell;
     const float lower = cumulative_[cell], width = cumulative_[cell + 1] - lower;

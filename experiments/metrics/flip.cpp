@@ -1,8 +1,11 @@
 #include "experiments/metrics/flip.h"
 
+#include "common/core/error.h"
 #include "common/core/math.h"
 #include "common/core/parallel.h"
 #include "experiments/metrics/robust_error.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -111,6 +114,18 @@ private:
                                    hunt_lab(xyz_of_rgb().col(2).cast<float>())),
                               exponent);
 };
+
+void require_comparable(const Image& test, const Image& reference, double pixels_per_degree) {
+    if (!test.same_size(reference))
+        throw InputError(fmt::format("FLIP compares images of one size, not {} x {} with {} x {} pixels", test.width,
+                                     test.height, reference.width, reference.height));
+    if (test.pixels() == 0) throw InputError("FLIP needs at least one pixel");
+    if (!std::isfinite(pixels_per_degree) || pixels_per_degree < 1)
+        throw InputError(fmt::format("FLIP needs one pixel per degree or more, not {:g}", pixels_per_degree));
+    for (const Image* image : {&test, &reference})
+        if (image->non_finite_values() > 0)
+            throw InputError("FLIP is undefined for images with values that are not finite");
+}
 
 /// Coefficients of filmic(x) = (k0 x^2 + k1 x) / (k3 x^2 + k4 x + k5), Narkowicz's fit to ACES; its exposure of 0.6
 /// is multiplied into them.
@@ -252,6 +267,7 @@ ExposureRange flip_exposures(const Image& reference) {
 }
 
 FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
+    require_comparable(test, reference, pixels_per_degree);
     const OpponentImage a = opponent_image(test), b = opponent_image(reference);
     const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
     const Features features_a = detected_features(a.achromatic, pixels_per_degree);
@@ -272,6 +288,7 @@ FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_de
 }
 
 FlipMap hdr_flip(const Image& test, const Image& reference, double pixels_per_degree) {
+    require_comparable(test, reference, pixels_per_degree);
     const ExposureRange range = flip_exposures(reference);
     FlipMap worst{test.width, test.height, std::vector<float>(test.pixels(), 0.f)};
     for (int i = 0; i < range.count; ++i) {
