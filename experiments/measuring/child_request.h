@@ -2,6 +2,7 @@
 // Work that the program hands to a process of its own: an internal subcommand reads request.json in a work folder, and leaves
 // result.json there, which is written whole or not at all.
 
+#include "common/core/error.h"
 #include "common/core/files.h"
 #include "experiments/system/child_process.h"
 #include "experiments/text/json_record.h"
