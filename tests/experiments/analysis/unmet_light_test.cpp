@@ -5,6 +5,7 @@
 #include "tests/support/constant_image.h"
 #include "tests/support/table_fixtures.h"
 
+#include <gtest/gtest.h>
 #include <random>
 
 namespace gib::test::unmet_light_test {
