@@ -2,7 +2,7 @@
 // An experiment file says which scenes are rendered with which methods, how often and for how long, and with what
 // references they are compared.
 //
-// What `gibench tune` is asked for, on its command line or by an experiment file with `[tune]`, which asks for each of its scenes.
+// The tuning that `gibench tune` is asked for, on its command line or by an experiment file with `[tune]`, which asks for each of its scenes.
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"

@@ -19,7 +19,7 @@ namespace gib {
 /// The sections with a row for each method and layer; bits of RowColumn::sections.
 enum RowSection : unsigned { in_prices = 1, in_laws = 2, in_errors = 4, in_outliers = 8, in_noise = 16 };
 
-/// What a section shows of a row.
+/// A row as a section shows it.
 using Shown = std::variant<std::string, Field>;
 
 /// A column of table.csv; without a name, only sections show it.

@@ -67,7 +67,7 @@ std::size_t random_half(const Vec3& p) {
            1;
 }
 
-/// What counts of a photon.
+/// The part of a photon that counts.
 struct Trial {
     double power;      ///< mean of the channels
     std::size_t half;  ///< random_half()

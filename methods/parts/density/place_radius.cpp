@@ -10,7 +10,7 @@ namespace {
 
 constexpr int probes = Accelerator::packet_size, probes_that_hit = 3;
 constexpr float least_share = 0x1p-12f;
-/// A disc spans at most 26 degrees of a curved surface to each side: light that turns with the normal changes by 5 % there.
+/// A disc spans at most 26 degrees of a curved surface to each side: light along the normal of its centre falls by a tenth there.
 constexpr float level_cosine = 0.9f;
 
 bool is_level(const SurfaceHit& found, const Vec3& normal) {

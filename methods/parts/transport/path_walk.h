@@ -69,9 +69,8 @@ public:
 
     const Scene& scene() const { return rays.scene(); }
     std::optional<SurfaceHit> surface_hit() const { return rays.surface_hit(ray); }
-    [[gnu::always_inline]] Vec3 wo() const {
-        return -ray.ray.d;
-    }  ///< direction at the end of the ray, towards where it came from
+    /// The direction at the end of the ray, towards where it came from.
+    [[gnu::always_inline]] Vec3 wo() const { return -ray.ray.d; }
     /// The last vertex as lights light it.
     LitPoint lit_previous() const { return {at.previous, at.previous_side}; }
     Surroundings surroundings() { return {at.medium, flights}; }
