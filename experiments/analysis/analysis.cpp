@@ -10,6 +10,7 @@
 #include "experiments/analysis/warnings.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
+#include "experiments/plan/experiment_file.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
@@ -182,14 +183,39 @@ void add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& an
         }
 }
 
-/// The path of the experiment file as it was typed; empty if there is none because the folder is that of a tuning.
+/// Images of another renderer that are all equal tell as much as one: its command may take no seed.
+void drop_equal_cells(const std::string& scene, Analysis& analysis) {
+    for (const auto& method : analysis.index.externals) {
+        const auto is_of_method = [&](const Cell& c) { return c.scene == scene && c.method == method; };
+        const auto first = std::ranges::find_if(analysis.cells, is_of_method);
+        if (first == analysis.cells.end() || std::ranges::count_if(analysis.cells, is_of_method) < 2) continue;
+        const std::string image = first->image;
+        if (!std::ranges::all_of(analysis.cells, [&](const Cell& c) { return !is_of_method(c) || c.image == image; }))
+            continue;
+        analysis.cells.erase(std::remove_if(first + 1, analysis.cells.end(), is_of_method), analysis.cells.end());
+        analysis.warnings.push_back(
+            {.kind = Warning::Kind::equal_images,
+             .scene = scene,
+             .sentence = fmt::format("all seeds of {} have the same image, so that they count as one: a command needs "
+                                     "{{seed}} to make others",
+                                     method)});
+    }
+}
+
+/// The path of the experiment file as it was typed.
 std::string experiment_file_of(const ResultFolder& folder) {
-    if (std::filesystem::exists(folder.file("tune.json"))) return "";
     try {
         return read_manifest(folder.file("manifest.json")).experiment_file;
     } catch (const InputError&) {
-        return "EXPERIMENT.toml";  // an older folder, or one whose run was killed early
+        return "EXPERIMENT.toml";  // of a run that was killed early
     }
+}
+
+/// The command that runs the experiment of a folder again; empty if there is none because the folder is that of a tuning.
+std::string run_command_of(const ResultFolder& folder, const ResultIndex& index) {
+    if (std::filesystem::exists(folder.file("tune.json"))) return "";
+    return fmt::format("gibench run '{}' --out '{}' --seeds {} --threads {}", experiment_file_of(folder), folder.path(),
+                       index.seeds, index.threads);
 }
 
 /// Equal images tell no interval of what their method makes on average: all of them may have missed a rare path. They
@@ -273,8 +299,20 @@ SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& refere
     return all;
 }
 
+/// The options of an experiment that a command for one of its references repeats.
+std::string other_options(const ResultIndex& index, const ResultFolder& folder) {
+    std::string options = index.epsilon ? fmt::format(" --epsilon {}", *index.epsilon) : "";
+    try {
+        for (const auto& path : parse_experiment(index.experiment_text, experiment_file_of(folder)).paths)
+            options += fmt::format(" -a '{}'", path);
+    } catch (const InputError&) {  // folders that are not there any more
+    }
+    return options;
+}
+
 /// Leaves the contradicted components of a reference unresolved, and warns of them.
-void drop_contradicted(const IndexScene& scene, const SceneRows& rows, Reference& reference, Analysis& analysis) {
+void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, const SceneRows& rows, Reference& reference,
+                       Analysis& analysis) {
     const double error = analysis.references.back().relative_error;
     for (const auto& [component, found] : rows.contradictions) {
         reference.unresolved.push_back(component);
@@ -286,21 +324,23 @@ void drop_contradicted(const IndexScene& scene, const SceneRows& rows, Reference
                  "the reference is wrong: {} finds {}; {} is not judged, nor is the time in which the whole image "
                  "reaches an error, which was measured with it",
                  found.first, found.second.text(), name_of(component)),
-             .command = fmt::format("gibench reference '{}' --seed 2 --target {:.2g}% -o '{}.exr'", scene.path,
-                                    50 * error, scene.name)});
+             .command = fmt::format("gibench reference '{}' --resolution {}x{} --seed 2 --target {:.2g}%{} -o '{}.exr'",
+                                    scene.path, reference.total.mean.width, reference.total.mean.height, 50 * error,
+                                    other_options(analysis.index, folder), scene.name)});
     }
 }
 
-/// The times and laws of a total whose curves were judged with components that are no longer judged.
-void drop_times(TableRow& row) {
-    row.times = {};
-    row.reached = {};
-    row.law.reset();
-    row.last_halving.reset();
+/// Removes the curves of the total, which were judged with components that are no longer judged.
+void drop_curves_of_total(const std::string& scene, Analysis& analysis) {
+    for (Cell& cell : analysis.cells)
+        if (cell.scene == scene)
+            for (CellCheckpoint& checkpoint : cell.checkpoints)
+                checkpoint.errors.erase(Layer::total);
 }
 
 void add_scene(const IndexScene& scene, Reference reference, const ResultFolder& folder, Analysis& analysis) {
     add_cells(scene, folder, analysis);
+    drop_equal_cells(scene.name, analysis);
     const auto judge = [&](const Judgement& judgement) {
         analysis.references.push_back(quality_of(scene, reference, judgement, analysis.index.epsilon));
         return rows_of_scene(analysis.references.back(), reference, judgement, folder, analysis);
@@ -308,18 +348,19 @@ void add_scene(const IndexScene& scene, Reference reference, const ResultFolder&
     SceneRows rows = judge(Judgement(reference));
     const bool is_contradicted = !rows.contradictions.empty();
     if (is_contradicted) {
-        drop_contradicted(scene, rows, reference, analysis);
+        drop_contradicted(scene, folder, rows, reference, analysis);
+        drop_curves_of_total(scene.name, analysis);
         analysis.references.pop_back();
         rows = judge(Judgement(reference));
     }
     analysis.references.back().unjudged = rows.unjudged;
     for (TableRow& row : rows.rows) {
-        if (is_contradicted && row.layer == Layer::total) drop_times(row);
+        row.has_times = !is_contradicted || row.layer != Layer::total;
         analysis.rows.push_back(std::move(row));
     }
     if (!rows.is_lit && !cells_by_method(analysis, scene.name).empty()) return drop_dark_scene(scene.name, analysis);
     for (auto& warning : {unlike_processors(analysis.cells, scene.name),
-                          busy_machine(analysis, scene.name, experiment_file_of(folder))})
+                          busy_machine(analysis, scene.name, run_command_of(folder, analysis.index))})
         if (warning) analysis.warnings.push_back(*warning);
     if (is_contradicted) return;
     for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, Judgement(reference), folder))

@@ -50,11 +50,13 @@ inline Field measured(const Estimate& e, Unit unit = Unit::number) {
 inline Field measured(double value, Unit unit = Unit::number) { return {State::measured, value, std::nullopt, unit}; }
 /// A relative RMSE from its square; one in the reference's own noise is not resolved.
 inline Field resolved(const Estimate& error2, double noise_floor) {
-    if (error2.value <= noise_floor) return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
+    if (noise_floor > 0 && error2.value <= noise_floor)
+        return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
     return measured(error2, Unit::root);
 }
-/// An estimate of what cannot be negative: an upper bound where its interval reaches 0.
+/// An estimate of what cannot be negative: an upper bound where its interval reaches 0, which tells nothing if all of it is below.
 inline Field positive(const Estimate& e, Unit unit = Unit::number) {
+    if (e.interval && !(e.interval->hi > 0)) return {State::cannot_be_told};
     if (e.interval && !(e.interval->lo > 0)) return {State::below, e.interval->hi, std::nullopt, unit};
     return measured(e, unit);
 }

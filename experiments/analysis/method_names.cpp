@@ -13,16 +13,16 @@ namespace gib {
 
 namespace {
 
-using Setting = std::pair<std::string, std::string>;
+using GivenValue = std::pair<std::string, std::string>;
 
-std::string joined(const std::vector<Setting>& settings, const std::string& before, const std::string& between) {
+std::string joined(const std::vector<GivenValue>& settings, const std::string& before, const std::string& between) {
     std::string text;
     for (const auto& [key, value] : settings)
         text += (text.empty() ? before : between) + key + "=" + value;
     return text;
 }
 
-bool has(const std::vector<Setting>& settings, const Setting& setting) {
+bool has(const std::vector<GivenValue>& settings, const GivenValue& setting) {
     return std::ranges::find(settings, setting) != settings.end();
 }
 
@@ -34,11 +34,11 @@ bool is_spp_reached(const Analysis& analysis, const std::string& label, double s
 }
 
 /// The settings of the labels that share the beginning of their names.
-using Group = std::map<std::string, std::vector<Setting>>;
+using Group = std::map<std::string, std::vector<GivenValue>>;
 
-std::vector<Setting> differing(const Group& group, const std::string& label, const Analysis& analysis) {
-    std::vector<Setting> settings = group.at(label);
-    std::erase_if(settings, [&](const Setting& setting) {
+std::vector<GivenValue> differing(const Group& group, const std::string& label, const Analysis& analysis) {
+    std::vector<GivenValue> settings = group.at(label);
+    std::erase_if(settings, [&](const GivenValue& setting) {
         const auto spp = setting.first == "spp" ? number_from<double>(setting.second) : std::nullopt;
         if (setting.first == "filter" && setting.second != no_filter) return false;
         return (spp && !is_spp_reached(analysis, label, *spp)) ||
@@ -91,7 +91,7 @@ std::map<std::string, std::string> short_names(const Analysis& analysis) {
     std::map<std::string, int> uses;
     for (const auto& [begin, group] : groups)
         for (const auto& [label, settings] : group) {
-            const std::vector<Setting> shown = differing(group, label, analysis);
+            const std::vector<GivenValue> shown = differing(group, label, analysis);
             names[label] = begin + (given(label).empty() ? joined(shown, " ", " ") : joined(shown, ", ", ", "));
             ++uses[names[label]];
         }

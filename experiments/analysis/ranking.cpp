@@ -23,7 +23,10 @@ double upper_end(const Contender& c) {
 Standing standing_beside(const Contender& best, const Contender& c) {
     if (c.logs.empty()) return Standing::no_image;
     if (!c.is_complete) return Standing::incomplete;
-    if (c.known == Contender::Known::equal) return are_told_apart(best, c) ? Standing::behind : Standing::tie;
+    if (c.known == Contender::Known::equal) {
+        if (std::min(best.logs.size(), c.logs.size()) < 2) return Standing::one_seed;
+        return are_told_apart(best, c) ? Standing::behind : Standing::tie;
+    }
     const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best);
     const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
     return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;

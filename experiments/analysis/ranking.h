@@ -20,7 +20,8 @@ namespace gib {
 
 enum class Standing {
     best,
-    tie,  ///< cannot be told from the best
+    tie,       ///< cannot be told from the best
+    one_seed,  ///< nor can this, because one seed tells no scatter
     behind,
     open,        ///< its run ended before this could be told
     incomplete,  ///< leaves out light, so that its number does not count

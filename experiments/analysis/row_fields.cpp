@@ -14,6 +14,8 @@ namespace {
 /// No time is extrapolated beyond `farthest_extrapolation` times the measured span, or if a point misses the law by
 /// more than the share `largest_misfit` of its squared error.
 constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
+/// A last halving is not told if the ends of its interval differ by more than this factor.
+constexpr double widest_halving = 30;
 
 /// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
 std::optional<double> log_last_halving(const Runs& cells, Layer layer, double noise_floor) {
@@ -31,10 +33,16 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
     return std::nullopt;
 }
 
-/// The field of an extrapolated time, if it is beyond the measured span and not too far; `unit` divides it [s]. A time
-/// within the span is no extrapolation: the first image was better already, or the points scatter about the law.
-Field field_of(const TableRow& row, const std::optional<Extrapolation>& time, double unit) {
+/// Light that no seed has met is no matter for errors whose squares are this many times as large.
+constexpr double unmet_factor = 100;
+
+/// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit` divides it
+/// [s]. A time within the span is no extrapolation: the first image was better already, or the points scatter about the law.
+/// The law does not know when light will be met that no seed has met.
+Field field_of(const TableRow& row, double error2, double unit) {
+    if (!row.law || row.unmet >= error2) return {State::not_reached};
     const PriceLaw& law = *row.law;
+    const auto time = law.extrapolate(error2, row.is_unbiased);
     if (!time) return {State::not_reached};
     if (time->kind == Extrapolation::Kind::never) {
         const bool contradicted = row.statistics && row.statistics->rel_mse_corrected < law.floor.value;
@@ -43,8 +51,9 @@ Field field_of(const TableRow& row, const std::optional<Extrapolation>& time, do
     }
     if (!(time->seconds > law.last_seconds) || !law_reaches(law, time->seconds)) return {State::not_reached};
     if (!time->interval) return {State::at_least, time->seconds / unit};
-    return {State::extrapolated, time->seconds / unit,
-            Interval{std::max(time->interval->lo, law.last_seconds) / unit, time->interval->hi / unit}};
+    const double least = std::max(time->interval->lo, law.last_seconds);
+    if (unmet_factor * row.unmet > error2) return {State::at_least, least / unit};
+    return {State::extrapolated, time->seconds / unit, Interval{least / unit, time->interval->hi / unit}};
 }
 
 }  // namespace
@@ -81,7 +90,8 @@ std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double nois
         if (const auto other = log_last_halving(without(cells, r), layer, noise_floor)) others.push_back(*other);
     if (others.size() < std::max<std::size_t>(cells.size(), 3)) return factor;
     const Interval logs = *jackknife(*log_factor, others).interval;
-    factor.interval = Interval{std::exp(logs.lo), std::exp(logs.hi)};
+    if (logs.hi - logs.lo > std::log(widest_halving)) return std::nullopt;
+    factor.interval = Interval{std::exp(std::max(logs.lo, 0.0)), std::exp(logs.hi)};
     return factor;
 }
 
@@ -108,19 +118,19 @@ bool law_reaches(const PriceLaw& law, double seconds) {
 
 Field time_field(const TableRow& row, std::size_t target) {
     if (!row.statistics) return {};
+    if (!row.has_times) return {State::not_judged};
     if (!is_target_resolved(target, row.noise_floor)) return {State::not_resolved};
     if (row.times[target]) return measured(*row.times[target]);
     if (row.reached[target] > 0)
         return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};
-    if (!row.law) return {State::not_reached};
-    return field_of(row, row.law->extrapolate(sqr(target_errors[target]), row.is_unbiased), 1);
+    return field_of(row, sqr(target_errors[target]), 1);
 }
 
 Field next_halving_field(const TableRow& row) {
     if (!row.law || !law_reaches(*row.law, row.law->last_seconds)) return {};
     const PriceLaw& law = *row.law;
     const double error2 = (row.is_unbiased ? law.floorless : law.law).error2(law.last_seconds);
-    const Field factor = field_of(row, law.extrapolate(error2 / 4, row.is_unbiased), law.last_seconds);
+    const Field factor = field_of(row, error2 / 4, law.last_seconds);
     return factor.state == State::not_reached ? Field{} : factor;
 }
 
@@ -138,6 +148,7 @@ Field floor_bias_field(const TableRow& row) {
     if (!bias2 || !bias2->interval || (bias2->interval->lo <= 0 && bias2->interval->hi >= floor))
         return {State::cannot_be_told};
     const auto part = [&](double value) { return std::clamp(value, 0.0, floor); };
+    if (bias2->interval->lo >= floor) return measured(floor, Unit::root);
     return positive({part(bias2->value), Interval{part(bias2->interval->lo), part(bias2->interval->hi)}}, Unit::root);
 }
 
@@ -166,12 +177,25 @@ Field bias2_field(const TableRow& row) {
     return row.is_unbiased ? Field{State::unbiased} : positive(*row.statistics->bias2);
 }
 
+double unmet_share(const TableRow& row) {
+    constexpr double least = 0.1;
+    if (!row.statistics || !(row.statistics->rel_mse_corrected > 0)) return 0;
+    const double share = row.unmet / row.statistics->rel_mse_corrected;
+    return share < least ? 0 : std::min(share, 1.0);
+}
+
+Field variance_field(const TableRow& row) {
+    if (!row.statistics || !row.statistics->variance) return {};
+    return unmet_share(row) > 0 ? Field{State::cannot_be_told} : measured(*row.statistics->variance);
+}
+
 Field bias_share_field(const TableRow& row) {
     if (!row.statistics) return {};
     if (row.is_unbiased) return {State::unbiased};
-    const auto& [bias2, variance] = std::pair(row.statistics->bias2, row.statistics->variance);
-    if (!bias2 || !variance || !bias2->interval) return {State::cannot_be_told};
-    const double sum = std::max(bias2->value, 0.0) + std::max(variance->value, 0.0);
+    const auto& bias2 = row.statistics->rel_bias2;
+    if (!bias2 || !bias2->interval) return {State::cannot_be_told};
+    const double variance = row.statistics->rel_mse_corrected - bias2->value;
+    const double sum = std::max(bias2->value, 0.0) + std::max(variance, 0.0);
     if (!(sum > 0) || !std::isfinite(sum)) return {};
     const auto share = [sum](double part) { return std::clamp(part / sum, 0.0, 1.0); };
     constexpr double whole = 0.995;  // "below 100 %" says nothing

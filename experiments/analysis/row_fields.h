@@ -19,8 +19,8 @@ std::optional<PriceLaw> price_law_of(const Runs& cells, Layer layer, double nois
 std::vector<std::vector<CurvePoint>> error_curves(const Runs& cells, Layer layer);
 /// The measured factor by which time grew for the last halving of a method's error: the time of the last point of its
 /// mean curve over the time at which the mean error was twice as large. From 3 runs on it has a 95 % interval
-/// (delete-one jackknife over the runs, in the logarithm). Empty if the error was never twice as large, or if the
-/// last error is not above the noise floor.
+/// (delete-one jackknife over the runs, in the logarithm). Empty if the error was never twice as large, if the last error is not
+/// above the noise floor, or if the interval is too wide to say anything.
 std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double noise_floor);
 /// Sets the members of a judged row that come from the curves of its cells: times, law, last halving.
 void add_curve_numbers(TableRow& row, const Runs& cells);
@@ -51,7 +51,11 @@ std::optional<Estimate> corrected_rel_mse(const TableRow& row);
 Field relative_error_field(const TableRow& row);
 /// The squared bias [radiance^2]: 0 by theory, or below the upper end of its interval where this reaches 0.
 Field bias2_field(const TableRow& row);
-/// The share of bias^2 in bias^2 + variance, with the interval of bias^2.
+/// The share of the squared relative error that is light which no seed has met; 0 if it is below a tenth.
+double unmet_share(const TableRow& row);
+/// The scatter from seed to seed [radiance^2], which tells little where much light has been met by no seed.
+Field variance_field(const TableRow& row);
+/// The share of bias^2 in the squared relative error, with the interval of the relative bias^2.
 Field bias_share_field(const TableRow& row);
 
 /// Whether bias^2 of this row is 0 by theory, so that all of its error is variance. The method has to declare itself

@@ -53,6 +53,8 @@ struct TableRow {
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< those that hold light and of which the method leaves out paths
     bool is_unbiased = false;            ///< bias^2 is 0 by theory (row_fields.h)
+    double unmet = 0;                    ///< squared relative error that is light which no seed has met (unmet_light.h)
+    bool has_times = true;               ///< false: its curves were measured with light that is no longer judged
     bool is_external = false;            ///< rendered by the command of another renderer
     bool floor_known = true;             ///< false: the reference has no standard error, and noise_floor is 0
     std::set<std::string> cpus = {};     ///< names of the processors that measured the seeds
@@ -90,7 +92,7 @@ struct ReferenceQuality {
 
 /// A warning that a reader has to know before any number.
 struct Warning {
-    enum class Kind { no_light, busy_machine, unlike_processors, reference_contradicted, energy_differs };
+    enum class Kind { no_light, busy_machine, unlike_processors, equal_images, reference_contradicted, energy_differs };
     Kind kind;
     std::string scene;
     std::optional<Layer> layer = {};  ///< empty: of no layer alone

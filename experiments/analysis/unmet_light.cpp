@@ -1,6 +1,9 @@
 #include "experiments/analysis/unmet_light.h"
 
+#include "common/core/math.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace gib {
 
@@ -33,15 +36,23 @@ void allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, cons
     for (Image& x : met)
         for (std::size_t i = 0; i < x.rgb.size(); ++i)
             x.rgb[i] += unmet.rgb[i];
+    double unmet_energy = 0;
+    for (std::size_t i = 0; i < unmet.rgb.size(); ++i) {
+        row.unmet += denominators.weight(i) * sqr(double{unmet.rgb[i]}) / static_cast<double>(unmet.rgb.size());
+        unmet_energy += double{unmet.rgb[i]} / static_cast<double>(unmet.rgb.size());
+    }
     const ReplicateStatistics with = replicate_statistics(met, reference, denominators);
     widen(row.statistics->bias2, with.bias2);
     widen(row.statistics->rel_bias2, with.rel_bias2);
     const auto footing = equal_footing(met, reference, denominators.plain());
     if (!row.footing || !footing) return;
-    widen(row.footing->excess, footing->excess);
-    if (footing->verdict == row.footing->verdict) return;
-    row.footing->verdict = FootingVerdict::unresolved;
-    row.footing->misses_light = true;
+    Footing& plain = *row.footing;
+    const double least = std::min(std::abs(plain.excess.value), std::abs(footing->excess.value));
+    widen(plain.excess, footing->excess);
+    const bool is_less = plain.verdict == FootingVerdict::differs && least * plain.unit < unmet_energy;
+    if (footing->verdict == plain.verdict && !is_less) return;
+    plain.verdict = FootingVerdict::unresolved;
+    plain.misses_light = true;
 }
 
 }  // namespace gib

@@ -121,7 +121,7 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
 }
 
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
-                                    const std::string& experiment_file) {
+                                    const std::string& run_command) {
     std::vector<std::string> methods;
     std::string signs;
     for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
@@ -132,7 +132,7 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     }
     if (methods.empty()) return std::nullopt;
     if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
-    if (experiment_file.empty())
+    if (run_command.empty())
         return Warning{
             .kind = Warning::Kind::busy_machine,
             .scene = scene,
@@ -140,11 +140,11 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
                                     "into another folder (`--out`) measures anew",
                                     signs)};
     // One method is named by its label; --only names several of them by their scene.
-    return Warning{.kind = Warning::Kind::busy_machine,
-                   .scene = scene,
-                   .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
-                   .command = fmt::format("gibench run '{}' --only '{}' --fresh", experiment_file,
-                                          methods.size() == 1 ? methods.front() : scene)};
+    return Warning{
+        .kind = Warning::Kind::busy_machine,
+        .scene = scene,
+        .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
+        .command = fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene)};
 }
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {

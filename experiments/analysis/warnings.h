@@ -19,9 +19,8 @@ std::set<std::string> processors_of(const Runs& cells);
 std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
 
 /// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
-/// for a pass, and the command that measures them again (`experiment_file` is empty for a tuning). Empty if there are none.
-std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
-                                    const std::string& experiment_file);
+/// for a pass, and the command that measures them again (`run_command` is empty for a tuning). Empty if there are none.
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene, const std::string& run_command);
 
 /// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
 /// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.

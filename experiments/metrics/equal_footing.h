@@ -33,7 +33,7 @@ struct Footing {
     /// there is a 99 % interval, over the seeds and the reference's groups (half_width()).
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::unresolved;
-    bool misses_light = false;  ///< its verdict depends on light that no image has met (analysis/unmet_light.h)
+    bool misses_light = false;  ///< light that no image has met decides its verdict (analysis/unmet_light.h)
 
     /// Compares two methods of one scene with each other, where the reference is too noisy to judge them. The excess
     /// is (energy - other.energy) / unit.

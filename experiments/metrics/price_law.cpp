@@ -272,7 +272,7 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
 std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_floor) const {
     using Kind = Extrapolation::Kind;
     if (!floor.interval || !slope.interval) return std::nullopt;
-    if (!has_no_floor && floor.interval->lo >= error2) return Extrapolation{Kind::never};
+    if (floor.interval->lo >= error2) return has_no_floor ? std::nullopt : std::optional(Extrapolation{Kind::never});
     const auto seconds_to = [error2](const ErrorLaw& one) { return one.seconds_to(error2); };
     const auto least = log_estimate(floorless, floorless_without, seconds_to);
     if (!least) return std::nullopt;
@@ -281,7 +281,7 @@ std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_fl
         if (interval.hi < widest_interval * interval.lo) return Extrapolation{Kind::time, seconds, interval};
         return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
     };
-    if (has_no_floor) return told(least->value, *least->interval);
+    if (has_no_floor && !stands()) return told(least->value, *least->interval);
     const auto time = log_estimate(law, without, seconds_to);
     const auto latest = ceiling.seconds_to(error2);
     if (!time || !latest) return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
@@ -289,7 +289,8 @@ std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_fl
                 {std::min(time->interval->lo, least->interval->lo), std::max(time->interval->hi, *latest)});
 }
 
-Estimate PriceLaw::error2_after(double seconds, bool has_no_floor) const {
+Estimate PriceLaw::error2_after(double seconds, bool theory_has_no_floor) const {
+    const bool has_no_floor = theory_has_no_floor && !stands();
     const ErrorLaw& best = has_no_floor ? floorless : law;
     const auto e = log_estimate(best, has_no_floor ? floorless_without : without,
                                 [seconds](const ErrorLaw& one) { return std::optional(one.error2(seconds)); });

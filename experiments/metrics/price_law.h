@@ -50,13 +50,15 @@ struct PriceLaw {
     double misfit = 0;
     double first_seconds = 0, last_seconds = 0;  ///< the measured span; the law extrapolates beyond it
 
+    /// Whether the runs stand at a floor: its whole interval is above 0.
+    bool stands() const { return floor.interval && floor.interval->lo > 0; }
     /// The time to a squared error that was not measured. The fitted floor does not decide, because 0 is its most common
     /// value where a floor cannot be seen: what decides is how high the floor may be. `has_no_floor`: theory says so, as
-    /// for unbiased methods whose samples are all fresh. Empty without intervals, or if the slope is at the end of its
-    /// range.
+    /// for unbiased methods whose samples are all fresh; runs that stand at one all the same have not met some light yet,
+    /// and nothing tells when they will. Empty then, without intervals, or if the slope is at the end of its range.
     std::optional<Extrapolation> extrapolate(double error2, bool has_no_floor = false) const;
     /// The 95 % interval of the squared error after `seconds`, without interval for fewer than 3 runs.
-    Estimate error2_after(double seconds, bool has_no_floor) const;
+    Estimate error2_after(double seconds, bool theory_has_no_floor) const;
 };
 
 /// Fits the law to the mean of the runs' squared errors at equal points of their curves, by weighted least squares. The

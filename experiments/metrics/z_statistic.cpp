@@ -12,7 +12,8 @@
 // path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small an s. With s
 // alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below
 // the value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
-// reference's variances (in which the rare paths have been met), or evenly if the reference has no standard error.
+// variances of the reference or of the test, whichever gives more (one of them has met the rare paths), or evenly if the reference
+// has no standard error.
 // Blocks that are too dark are then judged with the variance that the hypothesis predicts. Blocks that are too bright
 // are judged with their own, whose growth with S bounds T. The price is a weaker test where the noise of the image
 // varies from block to block in another way than that of the reference.
@@ -127,22 +128,32 @@ constexpr int blocks_across = 8;
 constexpr int reach = 3;  // [blocks] to each side, of the surroundings of a block
 
 /// Raises the variance of each block to at least its share of the summed variance of the blocks around it. The shares
-/// are in proportion to the reference's variances, or to the numbers of pixels if those are not known.
-void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool reference_known) {
-    const auto weight = [&](const BlockSums& b) { return reference_known ? b.r.variance.value : b.pixels; };
-    std::vector<double> least(blocks.size(), 0.0);
+/// are in proportion to what `weight` gives of the blocks.
+template <typename Weight>
+void raise_to_surroundings(std::vector<BlockSums>& blocks, const std::vector<double>& variances, const Grid& grid,
+                           const Weight& weight) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         double variance = 0, weights = 0;
         const int row = grid.row(i), column = grid.column(i);
         for (int y = std::max(0, row - reach); y <= std::min(grid.rows.count - 1, row + reach); ++y)
             for (int x = std::max(0, column - reach); x <= std::min(grid.columns.count - 1, column + reach); ++x) {
-                variance += blocks[grid.index(x, y)].difference.value;
+                variance += variances[grid.index(x, y)];
                 weights += weight(blocks[grid.index(x, y)]);
             }
-        if (weights > 0) least[i] = variance / weights * weight(blocks[i]);
+        if (weights > 0 && !blocks[i].equal) blocks[i].difference.raise_to(variance / weights * weight(blocks[i]));
     }
-    for (std::size_t i = 0; i < blocks.size(); ++i)
-        if (!blocks[i].equal) blocks[i].difference.raise_to(least[i]);
+}
+
+/// The same in proportion to the variances of the reference and, if they are known, too, of the test; to the numbers of pixels if
+/// those of the reference are not.
+void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool x_known, bool r_known) {
+    std::vector<double> variances;
+    for (const BlockSums& block : blocks)
+        variances.push_back(block.difference.value);
+    const auto raise = [&](const auto& weight) { raise_to_surroundings(blocks, variances, grid, weight); };
+    if (!r_known) return raise([](const BlockSums& b) { return b.pixels; });
+    raise([](const BlockSums& b) { return b.r.variance.value; });
+    if (x_known) raise([](const BlockSums& b) { return b.x.variance.value; });
 }
 
 /// The variance of the sums of blocks, from the replicates of one side, over the variance that independent pixels
@@ -265,7 +276,7 @@ void test_channel(const ReferenceLayer& x, const ReferenceLayer& r, const Image&
     const Grid small = Grid::with_edge(r.mean.width, r.mean.height, block_edge);
     const Grid large = Grid::with_edge(small.columns.count, small.rows.count, blocks_across);
     std::vector<BlockSums> blocks = sums_in_blocks(x, r, channel, small);
-    raise_to_surroundings(blocks, small, r.standard_error.has_value());
+    raise_to_surroundings(blocks, small, x.standard_error.has_value(), r.standard_error.has_value());
 
     const SharedNoise shared{shared_noise(blocks, &BlockSums::x), shared_noise(blocks, &BlockSums::r)};
     result.shared_noise = std::max(result.shared_noise, shared.x);

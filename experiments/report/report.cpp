@@ -163,12 +163,17 @@ json scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
 json meanings_data() {
     json meanings = json::array();
     for (const RowColumn& column : row_columns())
-        if (column.sections != 0 && !column.sentence.empty())
-            meanings.push_back({{"heading", column.heading}, {"meaning", column.sentence}});
+        if (const auto& meaning = column.meaning.empty() ? column.sentence : column.meaning;
+            column.sections != 0 && !meaning.empty())
+            meanings.push_back({{"heading", column.heading}, {"meaning", meaning}});
     return meanings;
 }
 
 std::string counted(int count, const char* name) { return fmt::format("{} {}{}", count, name, count == 1 ? "" : "s"); }
+
+std::string missing_text(int cells) {
+    return fmt::format("{} of the experiment {} not complete.", counted(cells, "cell"), cells == 1 ? "is" : "are");
+}
 
 /// Everything that the templates of table.md and of the page say in words and tables: the head, the sections over all
 /// scenes with the totals alone (`sections`), and each scene with its reference and its own sections with all
@@ -190,7 +195,8 @@ json page_data(const Analysis& analysis) {
                                       : "(0.1 m)^2, m the mean luminance of the scene's reference"},
             {"seeds", counted(index.seeds, "seed")},
             {"threads", counted(index.threads, "thread")},
-            {"missing_cells", analysis.missing_cells > 0 ? json(analysis.missing_cells) : json(nullptr)},
+            {"missing_cells",
+             analysis.missing_cells > 0 ? json(missing_text(static_cast<int>(analysis.missing_cells))) : json(nullptr)},
             {"warnings", warnings},
             {"sections", sections_data(all, analysis, in_table)},
             {"targets", targets},

@@ -32,6 +32,8 @@ std::string marked(const Analysis& analysis, const std::string& method) {
 /// `spp` alone stopped.
 std::string method_text(const Analysis& analysis, const TableRow& row) {
     if (row.is_external) return marked(analysis, row.method);
+    if (row.seeds < analysis.index.seeds)
+        return fmt::format("{} ({} of {} seeds)", row.method, row.seeds, analysis.index.seeds);
     const auto stops = analysis.stops.find({row.scene, row.method});
     if (stops == analysis.stops.end()) return row.method;
     return fmt::format("{} (stopped at spp = {} too)", row.method, fmt::join(stops->second, ", "));
@@ -181,8 +183,9 @@ Section verdict_section(const Analysis& analysis) {
 Section crossover_section(const Analysis& analysis) {
     Section section{
         "When the best method changes",
-        "From these seconds on the method is closer to the reference than all others, by 5 % at least before "
-        "the next change; 95 % intervals over the seeds. A tie: never told apart until the next change. Not run "
+        "From these seconds on the method is closer to the reference than all others, by the mean over the seeds after "
+        "equal time, by 5 % at least before the next change; 95 % intervals over the seeds. A tie: never told apart "
+        "until the next change. Not run "
         "longer: ended before it.",
         {words("method"), {"from second"}, {"relative RMSE % there"}, words("before"), words("beside others")}};
     for (const Crossover& c : crossovers(analysis)) {
@@ -245,8 +248,8 @@ Section equal_time_section(const Analysis& analysis) {
 
 Section frontier_section(const Analysis& analysis) {
     Section section{"Pareto frontier",
-                    "The checkpoints that no other beats in both time and error; the reference's own error is "
-                    "subtracted.",
+                    "The checkpoints that no other beats in both time and error, means over the seeds after equal "
+                    "passes; the reference's own error is subtracted.",
                     {{"seconds"}, {"relative RMSE %"}, {"passes"}, words("method"), words("beside others")}};
     for (const FrontierPoint& p : pareto_frontier(analysis))
         section.rows.push_back({.scene = p.scene,
@@ -351,7 +354,7 @@ std::vector<Section> sections(const Analysis& analysis) {
         row_section(
             analysis, in_noise, "Bias and noise",
             "The parts of the mean squared error of the final images, in absolute units, so that they do not add "
-            "up to the square of the relative RMSE; and the noise's spatial frequencies."),
+            "up to the square of the relative RMSE, of which the share is; and the noise's spatial frequencies."),
         equal_time_section(analysis),
         frontier_section(analysis),
         bias_law_section(analysis),

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -66,6 +67,11 @@ struct Columns : std::vector<RowColumn> {
     void words(unsigned sections, const std::string& heading, const TextOf& text, const std::string& sentence = "") {
         push_back({{"", "", sentence}, {}, sections, heading, text, true});
     }
+    /// The meaning of the column that was added last, in sections.
+    void means(const std::string& sentence) {
+        auto column = std::find_if(rbegin(), rend(), [](const RowColumn& c) { return c.sections != 0; });
+        column->meaning = sentence;
+    }
     /// `shown`: its field in sections if that is another one.
     void number(const Declared& column, const FieldOf& field, unsigned sections = 0, const char* heading = "",
                 const FieldOf& shown = {}) {
@@ -110,6 +116,12 @@ FieldOf in_states(const FieldOf& field, State one, State other) {
     };
 }
 
+/// A power whose estimate is unbiased, and may be negative where there is little.
+Field low_frequencies_field(const TableRow& row) {
+    if (!row.noise) return {};
+    return row.noise->low_ratio > 0 ? measured(row.noise->low_ratio) : Field{State::not_resolved};
+}
+
 FieldOf time(std::size_t t) {
     return [t](const TableRow& row) { return time_field(row, t); };
 }
@@ -141,20 +153,26 @@ void add_errors(Columns& c) {
                 "mean((x - r)^2 / (r^2 + epsilon)) over pixels and channels, by the plain formula: the square of a "
                 "relative RMSE. Components are divided by the r^2 + epsilon of the total"},
                error(&ReplicateStatistics::rel_mse), in_prices | in_errors, "relative RMSE %", relative_error_field);
+    c.means(
+        "root of the mean of (x - r)^2 / (r^2 + epsilon) over pixels and channels, from which the reference's own "
+        "variance is subtracted. Components are divided by the r^2 + epsilon of the total");
     c.shown(in_noise, "mean squared error [radiance^2]", error(&ReplicateStatistics::mse));
     c.estimate({"bias2", "radiance^2",
                 "part of the mean squared error that remains when many seeds are averaged, unclipped: below 0 where "
                 "neither seeds nor reference resolve it"},
                bias2, in_errors | in_noise, "bias^2 [radiance^2]", bias2_field);
-    c.number(variance_column, variance, in_errors | in_noise, "variance [radiance^2]");
-    c.shown(in_noise, "share of bias^2 %", bias_share_field, "bias^2 / (bias^2 + variance)");
-    c.words(in_errors, "bias or noise", error_kind,
-            "whether averaging many images would remove the error: bias^2 and its 95 % interval as shares of bias^2 + "
-            "variance; a method that is declared unbiased has noise alone");
+    c.means("part of the mean squared error that remains when many seeds are averaged");
+    c.number(variance_column, variance, in_errors | in_noise, "variance [radiance^2]", variance_field);
+    c.shown(in_noise, "share of bias^2 %", bias_share_field, "share of bias^2 in the square of the relative RMSE");
+    c.words(
+        in_errors, "bias or noise", error_kind,
+        "whether averaging many images would remove the error: bias^2 and its 95 % interval as shares of the square "
+        "of the relative RMSE; a method that is declared unbiased has noise alone");
     c.number({"noise_centroid", "cycles per pixel", "mean spatial frequency of the noise; white noise has 0.38"},
              of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
     c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
-             of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]");
+             of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]",
+             low_frequencies_field);
     for (std::size_t t = 0; t < 4; ++t) {
         c.number(time_column(t), time(t), t == 1 ? in_errors : 0u, "seconds to 5 %");
         if (t == 1) c.back().target = t;
@@ -207,9 +225,13 @@ void add_laws(Columns& c) {
                of(&TableRow::last_halving), in_laws, "last halving: times the seconds");
     c.estimate({"law_floor", "", "floor^2 of the fitted law error^2 = floor^2 + c (t - preparation)^-slope"},
                law(&PriceLaw::floor), in_laws, "floor %", floor_field);
+    c.means(
+        "relative RMSE that more time does not remove: floor of the law error^2 = floor^2 + c (t - "
+        "preparation)^-slope");
     const FieldOf floor_bias = [](const TableRow& r) { return r.law ? measured(floor_bias2(r), Unit::root) : Field{}; };
     c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"}, floor_bias, in_laws, "bias in the floor %",
              floor_bias_field);
+    c.means("root of the part of floor^2 that is bias^2");
     c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope");
     c.number({"law_factor", "", "c of the law, for t in seconds"},
              [](const TableRow& r) { return r.law ? measured(r.law->law.factor) : Field{}; });
@@ -225,11 +247,14 @@ void add_laws(Columns& c) {
     const FieldOf share = in_unit(robust(&RobustError::share), Unit::percent);
     c.number({"rel_mse_median", "", "median of the pixels' squared relative errors"}, median, in_outliers, "median %",
              where(has_outliers, median));
+    c.means("root of the median of the pixels' squared relative errors");
     c.number(
         {"rel_mse_trimmed", "", "mean of the pixels' squared relative errors without the worst 0.1 % of the pixels"},
         trimmed, in_outliers, "relative RMSE without them %", where(has_outliers, trimmed));
+    c.means("root of the mean of the pixels' squared relative errors without the worst 0.1 % of the pixels");
     c.number({"rel_mse_top_share", "", "share of `rel_mse` that the worst 0.1 % of the pixels hold"}, share,
              in_outliers, "share of the worst %", where(has_outliers, share));
+    c.means("share of the squared relative error that the worst 0.1 % of the pixels hold");
     c.number({"epsilon", "radiance^2", "epsilon of the row's relative errors"}, of(&TableRow::epsilon));
     c.text({"components_missing", "",
             "components that hold light and of which the method leaves out paths, separated by `;`"},
@@ -257,7 +282,8 @@ void add_laws(Columns& c) {
         c.text(
             {name + "_state", "",
              "`measured`: all seeds have reached it. `some seeds`: not all of them. By the fitted law: `extrapolated`, "
-             "`at least`, `never` (its floor is above). `not reached`: nothing tells when. `not resolved`: the "
+             "`at least`, `never` (its floor is above). `not reached`: nothing tells when. `not judged`: the reference "
+             "is wrong there. `not resolved`: the "
              "reference's "
              "noise hides it"},
             [t](const TableRow& row) { return csv_state(time_field(row, t)); });
@@ -269,6 +295,7 @@ void add_laws(Columns& c) {
             "name of the method in `table.md`, the report and figures: the key `label` of the experiment "
             "file, else the method, with the settings that vary"},
            &TableRow::name);
+    c.number({"rel_mse_unmet", "", "part of `rel_mse` that is light which no seed has met"}, of(&TableRow::unmet));
 }
 
 /// The columns of table.csv, with their headings in table.md.

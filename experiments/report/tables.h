@@ -30,6 +30,7 @@ struct RowColumn : Declared {
     std::function<Shown(const TableRow&)> shown = {};  ///< its field there
     bool of_words = false;                             ///< whether its field holds words, which stand on the left
     std::optional<std::size_t> target = {};  ///< index into target_errors of the error to which it is the time
+    std::string meaning = "";                ///< of the field that sections show, if `sentence` does not say it
 };
 
 /// "16", or "12 to 16": the least and the most passes of the seeds.

@@ -40,7 +40,7 @@ Line line_of(const std::string& scene, const VerdictRow& v) {
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
             .seconds = text_of(v.seconds).value + (is_foretold ? " extrap." : ""),
-            .factor = text_of(v.factor).value,
+            .factor = text_of(v.factor).value + (v.is_tie ? " tie" : ""),
             .consists_of = v.method.empty() ? v.remark : of};
 }
 

@@ -1,5 +1,6 @@
 #include "experiments/report/words.h"
 
+#include "common/core/math.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/text/numbers.h"
 #include "methods/parameters.h"
@@ -67,6 +68,8 @@ std::string beside_text(const std::vector<Contender>& ranking, const Contender& 
         }
         case Standing::tie:
             return "tie with the best";
+        case Standing::one_seed:
+            return "one seed does not tell";
         case Standing::open:
             return "not run longer";
         case Standing::incomplete:
@@ -202,18 +205,22 @@ private:
             shown.insert(shown.begin(), ranking[1].method);
 
         std::vector<VerdictRow> rows = {row_of(best.method, target, seconds)};
+        const Doubts of_best = doubts_about(best.method, ranking);
         rows[0].is_best = true;
+        rows[0].is_tie = !of_best.ties.empty() && !of_best.one_seed;
+        // The seeds' first images may come after the mean of the times at which each has reached the error.
+        if (rows[0].error.state == State::no_image) rows[0].error = measured(sqr(target_errors[target]), Unit::root);
         rows[0].factor = measured(1);
-        rows[0].remark = ranking.size() == 1                               ? ""
-                         : doubts_about(best.method, ranking).open.empty() ? "cheapest"
-                                                                           : "first that was seen to reach it";
+        rows[0].remark = ranking.size() == 1    ? ""
+                         : of_best.open.empty() ? "cheapest"
+                                                : "first that was seen to reach it";
         if (const std::string doubt = doubts(ranking); !doubt.empty()) rows[0].remark += ", " + doubt;
         for (const std::string& method : shown) {
             VerdictRow& other = rows.emplace_back(row_of(method, target, seconds));
             other.factor = times_as_much(other.seconds, 1 / seconds);
             const bool is_tie = std::ranges::any_of(
                 ranking, [&](const Contender& c) { return c.method == method && c.standing == Standing::tie; });
-            if (is_tie) other.remark = "tie with the best";
+            if (is_tie) other.remark = "tie with the best", other.is_tie = true;
         }
         return rows;
     }
@@ -298,9 +305,11 @@ std::string error_kind(const TableRow& row) {
     const auto [value, detail] = text_of(share, " %");
     switch (share.state) {
         case State::unbiased:
-            return "noise: the method is unbiased";
+            return "noise: the method is unbiased" +
+                   (unmet_share(row) > 0 ? fmt::format("; {} % of the squared error is light that no seed has met yet",
+                                                       whole_percent(unmet_share(row)))
+                                         : "");
         case State::below:
-            // The scatter of few seeds may put the whole interval below zero.
             if (share.value < 0.005) return "noise; no bias found";
             return fmt::format("{}bias {} of the squared error",
                                share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
@@ -309,8 +318,9 @@ std::string error_kind(const TableRow& row) {
                                              : fmt::format("{}noise; bias is {} of the squared error, {}",
                                                            share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
         case State::cannot_be_told:
-            return row.statistics->bias2 && row.statistics->bias2->interval ? "bias or noise: not resolved"
-                                                                            : "bias or noise: two seeds would tell";
+            return row.statistics->rel_bias2 && row.statistics->rel_bias2->interval
+                       ? "bias or noise: not resolved"
+                       : "bias or noise: two seeds would tell";
         default:
             return "";
     }
@@ -363,15 +373,16 @@ ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::si
     return Answers(analysis, scene).short_answer(target);
 }
 
+std::string help_of(const Warning& warning) {
+    if (warning.command.empty()) return "";
+    return fmt::format(". `{}` {}", warning.command,
+                       warning.kind == Warning::Kind::reference_contradicted
+                           ? "makes a better one, to be given as `image` of `[reference]`"
+                           : "measures it again");
+}
+
 std::string sentence_of(const Warning& warning) {
-    const bool is_reference = warning.kind == Warning::Kind::reference_contradicted;
-    const std::string help =
-        warning.command.empty()
-            ? ""
-            : fmt::format(
-                  " `{}` {}.", warning.command,
-                  is_reference ? "makes a better one, to be given as `image` of `[reference]`" : "measures it again");
-    return fmt::format("Warning: {}.{}", warning.sentence, help);
+    return fmt::format("Warning: {}{}.", warning.sentence, help_of(warning));
 }
 
 }  // namespace gib

@@ -76,6 +76,7 @@ struct VerdictRow {
     std::string kind = "";    ///< bias or noise: error_kind()
     std::string remark = "";  ///< how it stands beside the others, and what it leaves out
     bool is_best = false;
+    bool is_tie = false;  ///< whether it is the best and ties, or cannot be told from the best
 };
 
 /// The verdict about a scene: for each of asked_targets the cheapest method, the next one, and the best label of each other
@@ -90,6 +91,8 @@ struct ShortAnswer {
 };
 ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target);
 
+/// ". `gibench run ...` measures it again"; empty without a command that helps.
+std::string help_of(const Warning& warning);
 /// "Warning: ...", with the command that helps.
 std::string sentence_of(const Warning& warning);
 

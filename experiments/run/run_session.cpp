@@ -6,6 +6,7 @@
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/report.h"
 #include "experiments/report/terminal.h"
+#include "experiments/report/words.h"
 #include "experiments/results/manifest.h"
 #include "experiments/system/interrupt.h"
 
@@ -146,8 +147,8 @@ std::string RunSession::write_results() {
         report = write_report(analysis, folder, &damage);
         verdict = terminal_verdict(analysis);
         for (const Warning& warning : analysis.warnings)  // a busy machine makes nothing wrong but times
-            said.push_back(fmt::format("{}: {}: {}", warning.kind == Warning::Kind::busy_machine ? "note" : "warning",
-                                       warning.scene, warning.sentence));
+            said.push_back(fmt::format("{}: {}: {}{}", warning.kind == Warning::Kind::busy_machine ? "note" : "warning",
+                                       warning.scene, warning.sentence, help_of(warning)));
     });
     for (const auto& what : damage)
         log.progress.message("warning: " + what);

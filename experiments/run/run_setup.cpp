@@ -1,5 +1,6 @@
 #include "experiments/run/run_setup.h"
 
+#include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
 #include "experiments/external/povray_scene.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <thread>
 
 namespace gib {
@@ -30,11 +32,33 @@ std::string povray_form(const Experiment& experiment, const std::string& only, c
     return "";
 }
 
+/// The largest number of edges of a path of a label, whose method may be `auto`.
+int max_edges_of(const MethodLabel& label, int scene_edges) {
+    for (const auto& [name, value] : label.values)
+        if (name == "max_depth")
+            if (const auto depth = number_from<int>(value))
+                return *depth == 0 ? std::numeric_limits<int>::max() : *depth;
+    return scene_edges;
+}
+
+/// The components of which a method leaves out paths that are longer than its `max_depth`, but not than that of the reference.
+Components components_beyond(const MethodLabel& label, const MethodLabel& reference, int scene_edges) {
+    const int edges = max_edges_of(label, scene_edges);
+    Components beyond;
+    if (edges >= max_edges_of(reference, scene_edges)) return beyond;
+    for (const Component c : {Component::caustic, Component::indirect, Component::volume})
+        beyond.add(c);
+    if (edges < 2) beyond.add(Component::direct);
+    return beyond;
+}
+
 void plan_methods(RunSetup& setup, const LoadedScene& scene, ProgressLine& progress) {
     for (const auto& label : setup.experiment.methods) {
         if (setup.experiment.external(label)) continue;
         const Plan plan = ConfiguredMethod(label).create({scene.max_edges})->plan(*scene.scene);
-        setup.left_out[{scene.name, label.text()}] = {plan.missing, Components(plan.unresolved)};
+        LeftOut& left_out = setup.left_out[{scene.name, label.text()}] = {plan.missing, Components(plan.unresolved)};
+        for (const Component c : components_beyond(label, setup.experiment.reference_method, scene.max_edges).list())
+            left_out.components.add(c);
         if (const auto incomplete = incomplete_components(plan, label); !incomplete.empty())
             progress.message(fmt::format("warning: {}: {}", scene.name, incomplete));
         if (const auto light = seldom_found_light(*scene.scene, label); !light.empty())

@@ -8,7 +8,7 @@ namespace gib {
 
 namespace {
 
-std::string quoted(const std::string& field) {
+std::string quoted_field(const std::string& field) {
     if (field.find_first_of(",\"\r\n") == std::string::npos) return field;
     std::string text = "\"";
     for (const char c : field) {
@@ -21,7 +21,7 @@ std::string quoted(const std::string& field) {
 void append_row(std::string& text, const std::vector<std::string>& row) {
     for (std::size_t i = 0; i < row.size(); ++i) {
         if (i > 0) text += ',';
-        text += quoted(row[i]);
+        text += quoted_field(row[i]);
     }
     text += '\n';
 }

@@ -47,7 +47,7 @@ std::string sentence_html(std::string_view text) {
     }
 }
 
-std::string script_safe_json(const std::string& json) { return boost::replace_all_copy(json, "<", "\\u003c"); }
+std::string script_safe_json(const std::string& text) { return boost::replace_all_copy(text, "<", "\\u003c"); }
 
 std::string script_safe_code(std::string_view code) {
     const std::string safe = boost::replace_all_copy(std::string(code), "</script", "<\\/script");

@@ -14,8 +14,8 @@ namespace gib {
 
 namespace {
 
-constexpr double widest_interval = 30;          // ratio of the ends of an interval that is printed
-constexpr double farthest_extrapolation = 100;  // times the longest run
+constexpr double widest_interval = 30;        // ratio of the ends of an interval that is printed
+constexpr double farthest_beyond_runs = 100;  // times the longest run
 
 std::vector<CurvePoint> curve_of(const Cell& cell) { return error_curves({&cell}, Layer::total).front(); }
 
@@ -71,9 +71,10 @@ Estimate time_without_floor(const std::vector<Cell>& cells, double target) {
 }
 
 /// The same for a method that may have a floor: from the time without one to that with the highest floor that the runs allow.
+/// NaN without a law: an error that does not fall tells no time.
 Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<PriceLaw>& price, double target) {
+    if (!price) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
     const double without = time_without_floor(cells, target).value;
-    if (!price) return {without, Interval{without, infinity}};
     const double least = std::min(without, price->floorless.seconds_to(sqr(target)).value_or(without));
     ErrorLaw worst = price->law;
     worst.floor = price->floor.interval ? price->floor.interval->hi : infinity;
@@ -89,7 +90,7 @@ Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, do
     double longest = 0;
     for (const Cell& cell : cells)
         if (!(curve_of(cell).back().error <= target)) longest = std::max(longest, cell.last().seconds);
-    const double farthest = farthest_extrapolation * longest;
+    const double farthest = farthest_beyond_runs * longest;
     const double lo = std::clamp(seconds.interval ? seconds.interval->lo : 0, longest, farthest);
     if (!(seconds.value > longest)) return {longest, Interval{longest, infinity}};
     if (seconds.value > farthest) return {lo, Interval{lo, infinity}};
@@ -159,6 +160,8 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     const bool converged = verdict.error > target && have_converged(runs);
     const auto price = fit_price_law(points, mean_over(cells, [](const Cell& cell) { return cell.prepare_seconds; }));
     const bool has_floor = !is_unbiased && price && price->floor.interval && price->floor.interval->lo > sqr(target);
+    // Theory knows no floor, but runs that have not met some light stand at one.
+    const bool is_without_floor = is_unbiased && !(price && price->stands());
     if (converged || has_floor) {
         verdict.state = Verdict::not_reachable;
         verdict.floor = converged ? with_interval_of(errors) : mapped(price->floor, std::sqrt);
@@ -166,7 +169,7 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     }
     verdict.state = Verdict::extrapolated;
     verdict.seconds = beyond_runs(
-        is_unbiased ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
+        is_without_floor ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
 }

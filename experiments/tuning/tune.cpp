@@ -95,7 +95,7 @@ public:
         measure_finals();
         result_.used_seconds = runs_.used();
         const std::string report = runs_.write_results(tuning_json(result_));
-        if (!result_.best()) std::cerr << fmt::format("no method reached {} in the final runs\n", result_.target);
+        if (!result_.best()) std::cerr << fmt::format("no method is known to have reached {}\n", result_.target);
         std::cerr << fmt::format("Report: {}\n", report);
         out << tuning_text(result_);
         return result_.best() ? 0 : exit_failed;
@@ -266,7 +266,10 @@ private:
             if (runs[n].cell) cells[order[n].first].push_back(*runs[n].cell);
             is_cut = is_cut || runs[n].is_left_out;
         }
-        if (is_cut) result_.notes.push_back("some final runs ended before all seeds were done");
+        const bool any = std::ranges::any_of(cells, [](const auto& runs_of_label) { return !runs_of_label.empty(); });
+        if (is_cut)
+            result_.notes.push_back(any ? "some final runs ended before all seeds were done"
+                                        : "no time was left for final runs");
         for (std::size_t i = 0; i < labels.size(); ++i) {
             FinalSetting& f = result_.finals[i];
             const auto searched = searched_.find(labels[i].text());

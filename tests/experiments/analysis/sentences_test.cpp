@@ -222,11 +222,28 @@ TEST(Times, SayThatNotAllSeedsHaveReachedAnError) {
 
 TEST(Bias, AClippedEstimateIsAnUpperBound) {
     TableRow row = row_of("photon_mapper", Layer::total, Estimate{-0.05, Interval{-0.2, 0.171}}, 4);
-    row.statistics->variance = Estimate{0.95, {}};
+    row.statistics->rel_bias2 = row.statistics->bias2;
+    row.statistics->rel_mse_corrected = 0.9;  // of which 0.95 is variance
     EXPECT_EQ(line_of(bias_share_field(row), " %"), "below 18 %");
     EXPECT_EQ(line_of(bias2_field(row)), "below 0.171");
     row.is_unbiased = true;
     EXPECT_EQ(line_of(bias_share_field(row)), "0 (unbiased)");
+}
+
+// The absolute error is that of the lamp's edge, which is noise; the relative one that stands beside the words is bias.
+TEST(Bias, IsAShareOfTheRelativeErrorThatStandsBesideIt) {
+    TableRow row = row_of("radiosity", Layer::total, Estimate{1, Interval{-3, 5}}, 4);
+    row.statistics->variance = Estimate{9, {}};
+    row.statistics->rel_bias2 = Estimate{0.0036, Interval{0.0030, 0.0042}};
+    row.statistics->rel_mse_corrected = 0.0045;
+    EXPECT_EQ(error_kind(row), "bias: 80 % of the squared error, 67 to 93");
+}
+
+TEST(Bias, WhoseWholeIntervalIsBelowZeroTellsNothing) {
+    TableRow row = row_of("photon_mapper", Layer::total, Estimate{-0.05, Interval{-0.08, -0.02}}, 2);
+    row.statistics->rel_bias2 = row.statistics->bias2;
+    EXPECT_EQ(line_of(bias2_field(row)), "cannot be told");
+    EXPECT_EQ(error_kind(row), "bias or noise: not resolved");
 }
 
 TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
@@ -268,13 +285,55 @@ Cell busy(Cell cell, double waiting) {
     return cell;
 }
 
+// The lamp is 6.5 % of the error in each of the images, and no seed has met it; all else is noise that falls.
+TEST(Extrapolation, ARunThatStandsAtUnmetLightHasNoTimeBelowIt) {
+    Analysis analysis = analysis_of(runs("path", 1e-3, 0.5, 64, 0.00425));
+    TableRow& row = analysis.rows[0];
+    row.is_unbiased = true;
+    EXPECT_EQ(time_field(row, 1).state, State::not_reached) << "5 %, by the curve alone";
+    EXPECT_EQ(next_halving_field(row).state, State::none);
+}
+
+// Noise still hides the floor; the images tell of it.
+TEST(Extrapolation, UnmetLightIsAFloorThatNoCurveShows) {
+    Analysis analysis = analysis_of(runs("path", 1, 0.5, 32));
+    TableRow& row = analysis.rows[0];
+    row.is_unbiased = true;
+    EXPECT_EQ(time_field(row, 1).state, State::extrapolated);
+    EXPECT_EQ(time_field(row, 0).state, State::extrapolated);
+    row.unmet = 0.00425;
+    EXPECT_EQ(time_field(row, 1).state, State::not_reached);
+    EXPECT_EQ(time_field(row, 0).state, State::at_least) << "10 %, not far above it";
+    EXPECT_THAT(error_kind(row), HasSubstr("noise: the method is unbiased; 14 % of the squared error is light that"));
+    row.statistics->variance = Estimate{1, {}};
+    EXPECT_EQ(line_of(variance_field(row)), "cannot be told");
+}
+
+// Both seeds reach 5 % with their first images, one of which comes after the mean of the two times.
+TEST(Verdicts, TheBestOneHasAnErrorAtItsTime) {
+    std::vector<Cell> cells;
+    for (const auto& [seed, first] : {std::pair<std::uint64_t, double>{1, 5}, {2, 5.3}})
+        cells.push_back(run_of("radiosity", 1e-3, first, 4 * first, 0, seed));
+    const auto rows = verdict(analysis_of(cells), "box");
+    ASSERT_TRUE(rows[0].is_best);
+    EXPECT_EQ(line_of(rows[0].error), "5.00");
+}
+
+TEST(Ties, OneSeedTellsNone) {
+    const Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8, 0, 1), runs("vcm", 0.2, 1, 8, 0, 1)}));
+    const SceneLook look = scene_look(analysis, "box");
+    ASSERT_EQ(look.methods.size(), 2u);
+    EXPECT_EQ(look.methods[0].beside, "best, one seed does not tell");
+    EXPECT_EQ(look.methods[1].beside, "one seed does not tell") << "at 4.5 times the error";
+}
+
 TEST(BusyMachine, IsSeenByThreadsThatWait) {
     Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
     for (Cell& cell : analysis.cells)
         cell = busy(cell, 0.005);
-    EXPECT_FALSE(busy_machine(analysis, "box", "e.toml"));
+    EXPECT_FALSE(busy_machine(analysis, "box", "gibench run 'e.toml'"));
     analysis.cells[1] = busy(analysis.cells[1], 0.5);
-    const auto warning = busy_machine(analysis, "box", "e.toml");
+    const auto warning = busy_machine(analysis, "box", "gibench run 'e.toml'");
     ASSERT_TRUE(warning);
     EXPECT_THAT(warning->sentence,
                 AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
@@ -286,9 +345,9 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
 
 TEST(BusyMachine, IsSeenBySeedsWhosePassesTakeLonger) {
     std::vector<Cell> cells = runs("path", 1e-2, 1, 8);
-    EXPECT_FALSE(busy_machine(analysis_of(cells), "box", "e.toml"));
+    EXPECT_FALSE(busy_machine(analysis_of(cells), "box", "gibench run 'e.toml'"));
     cells[2] = run_of("path", 1e-2, 1.6, 12.8, 0, 3);
-    EXPECT_THAT(busy_machine(analysis_of(cells), "box", "e.toml")->sentence,
+    EXPECT_THAT(busy_machine(analysis_of(cells), "box", "gibench run 'e.toml'")->sentence,
                 HasSubstr("a pass takes 1 s to 1.6 s, 8 passes"));
 }
 

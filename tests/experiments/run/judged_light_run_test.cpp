@@ -122,6 +122,10 @@ TEST_F(ContradictedReference, IsToldOnTopAndItsComponentIsNotJudged) {
             if (rows.rows[i][2] == "direct") {
                 EXPECT_EQ(field_of(rows, "rel_mse", i), "") << rows.rows[i][1];
             }
+        EXPECT_THAT(text, HasSubstr("--resolution 8x8 --seed 2"));
+        const CsvTable curves = table("curves.csv");
+        for (std::size_t i = 0; i < curves.rows.size(); ++i)
+            EXPECT_EQ(field_of(curves, "rel_mse", i), "nan") << "measured with the wrong component";
     }
 }
 

@@ -189,6 +189,18 @@ TEST(Verdict, OfAFewPointsOfAMethodWithBiasHasNoUpperEnd) {
     EXPECT_EQ(far.seconds.interval->lo, 400);
 }
 
+// An error that does not fall tells no time, not even the least one.
+TEST(Verdict, OfAMethodWithBiasWhoseErrorStandsIsAsLongAsItsRuns) {
+    std::vector<Cell> runs = {run_at(1, 0.15, 6), run_at(1, 0.15, 6, 1.1)};
+    for (Cell& run : runs)
+        for (CellCheckpoint& checkpoint : run.checkpoints)
+            checkpoint.errors = run.checkpoints.back().errors;
+    const Verdict v = verdict_of(runs, 0.1, false);
+    ASSERT_EQ(v.state, Verdict::extrapolated);
+    EXPECT_EQ(v.seconds.interval->lo, runs[0].last().seconds);
+    EXPECT_TRUE(std::isinf(v.seconds.interval->hi));
+}
+
 // 200 experiments with runs of 5 seeds, whose errors scatter by 10 %, and which end at twice the target.
 TEST(Verdict, ExtrapolatedIntervalsHoldTheTruth) {
     std::mt19937 random(1);
