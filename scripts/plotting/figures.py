@@ -23,7 +23,8 @@ STYLE = {
 METADATA = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
 # Okabe and Ito's colours, without their yellow, which is too light for lines, and then Tol's wine, olive, indigo and grey. The
 # lengths of the three lists have no common divisor, so that combinations repeat late.
-COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#999933", "#332288", "#777777")
+COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#999933",
+          "#332288", "#777777")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
 DASHES = ((), (5, 1.5), (1.5, 1), (5, 1.5, 1, 1.5), (8, 1.5))
 HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oooo")

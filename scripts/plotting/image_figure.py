@@ -142,5 +142,6 @@ def caption(images, scene, seconds, escaped):
     words = "; ".join(f"{image.name}: {image.detail}" for image in images[1:])
     return "\n".join([
         r"\begin{figure}", r"  \centering", rf"  \includegraphics[width=\linewidth]{{images-{scene}.pdf}}",
-        rf"  \caption{{{escaped(scene)} after {three_digits(seconds)}\,s: relative RMSE and time of one image. {escaped(words)}.}}",
+        rf"  \caption{{{escaped(scene)} after {three_digits(seconds)}\,s: relative RMSE and time of one image. "
+        rf"{escaped(words)}.}}",
         r"\end{figure}", ""])

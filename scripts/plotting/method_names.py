@@ -32,7 +32,8 @@ def rows_of_longest_runs(rows):
         settings = [setting for setting in settings_of(row["method"]) if row["external"] or not setting.startswith("spp=")]
         groups.setdefault((row["scene"], row["method"].split(" ")[0], *settings), []).append(row)
     # passes: "16", or "12 to 16"
-    return [max(group, key=lambda row: (row["seeds"] or 0, int(row["passes"].split(" ")[-1] or 0))) for group in groups.values()]
+    return [max(group, key=lambda row: (row["seeds"] or 0, int(row["passes"].split(" ")[-1] or 0)))
+            for group in groups.values()]
 
 
 def one_label_a_method(results):

@@ -8,8 +8,8 @@ TARGETS = ("10", "5", "2", "1", "0.5")  # relative RMSE [%] to which table.csv h
 # The columns that are used; the files have more.
 CURVES = ("scene", "method", "seed", "pass", "seconds", "mse_corrected", "rel_mse_corrected")
 TABLE = ("scene", "method", "label", "component", "seeds", "passes", "external", "seconds", "rel_mse_corrected",
-         "rel_mse_corrected_lo", "rel_mse_corrected_hi", "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance", "variance_lo", "variance_hi",
-         "bias_state", "effects_missing", "components_missing", "noise_centroid", "flip",
+         "rel_mse_corrected_lo", "rel_mse_corrected_hi", "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance",
+         "variance_lo", "variance_hi", "bias_state", "effects_missing", "components_missing", "noise_centroid", "flip",
          *(f"seconds_to_{target}pct{end}" for target in TARGETS for end in ("", "_state", "_law", "_law_lo", "_law_hi")))
 SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
 STAGES = ("scene", "method", "seed", "stage", "seconds")

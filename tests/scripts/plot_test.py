@@ -320,8 +320,8 @@ class PartsTest(unittest.TestCase):
             self.skipTest("matplotlib")
         rows = [{"method": method, "seed": seed, "pass": number, "seconds": seconds, "rel_mse_corrected": 1.69}
                 for method, seed, number, seconds in (
-                    ("fast", "1", 1, 0.3), ("fast", "1", 2, 1.2), ("fast", "2", 2, 0.8), ("late", "1", 1, 1.11), ("late", "1", 2, 5),
-                    ("in time", "1", 1, 1.09), ("in time", "1", 2, 5), ("converged", "1", 1, 0.1))]
+                    ("fast", "1", 1, 0.3), ("fast", "1", 2, 1.2), ("fast", "2", 2, 0.8), ("late", "1", 1, 1.11),
+                    ("late", "1", 2, 5), ("in time", "1", 1, 1.09), ("in time", "1", 2, 5), ("converged", "1", 1, 0.1))]
         with tempfile.TemporaryDirectory() as folder:
             for number, method in enumerate(result_tables.unique(row["method"] for row in rows)):
                 cell = os.path.join(folder, "cells", str(number))
