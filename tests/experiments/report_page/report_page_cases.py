@@ -195,6 +195,7 @@ class PageTest(ReportCase):
 
     def test_the_other_scene_has_its_own_images(self):
         self.open(LAPTOP, scene=1)
+        self.choose("A", PATH)
         self.go_to(15, 18)
         expected = fixture.pixels(os.path.join(self.images, "cornell-glass-path_spp=64.exr"))[15, 18]
         self.assert_pixel(self.values("A"), expected)
