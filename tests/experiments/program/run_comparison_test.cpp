@@ -227,7 +227,7 @@ TEST(CompareRuns, ABusyMachineTellsNothing) {
 }
 
 TEST(CompareRuns, OneNumberIsSingular) {
-    const RunComparison one{.changes = {{.scene = "box", .method = "a"}}};
+    const RunComparison one{.changes = {{.scene = "box", .method = "a"}}, .remarks = {}};
     EXPECT_THAT(change_text(one), HasSubstr("\n1 number: 0 better"));
 }
 
