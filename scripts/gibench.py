@@ -38,7 +38,10 @@ def table(folder, name="table.csv"):
 
 def layers(path):
     """The layers of an image by name: arrays of linear radiance [W/(sr m^2)], float32, height x width x 3, row 0 on top.
-    "" is the image itself; references also have `stderr`. Raises OSError for a file that cannot be read."""
+    "" is the image itself; its classes of light paths are `emission`, `direct`, `caustic`, `indirect` and `volume`. References
+    also have standard errors, `stderr` and `caustic_stderr`, and the means of independent groups of samples, `group00`,
+    `caustic_group00` and so on. A layer of luminance Y alone is grey. Raises OSError for a file that cannot be read or has no
+    such layer."""
     import OpenImageIO  # the tables need none of it
     file = OpenImageIO.ImageInput.open(path)
     if not file:
@@ -46,12 +49,14 @@ def layers(path):
     names = file.spec().channelnames
     values = file.read_image(OpenImageIO.FLOAT)
     file.close()
-    found = {}
-    for name in names:
+    places = {}
+    for place, name in enumerate(names):
         layer, _, channel = name.rpartition(".")
-        rgb = [f"{layer}.{c}" if layer else c for c in "RGB"]
-        if channel == "R" and all(c in names for c in rgb):
-            found[layer] = values[:, :, [names.index(c) for c in rgb]]
+        places.setdefault(layer, {})[channel.upper()] = place
+    found = {layer: values[:, :, [channels.get(c, channels.get("Y")) for c in "RGB"]]
+             for layer, channels in places.items() if {"R", "G", "B"} <= channels.keys() or "Y" in channels}
+    if not found:
+        raise OSError(f"{path}: it has no layer of R, G, B or Y; its channels are: {', '.join(names)}")
     return found
 
 

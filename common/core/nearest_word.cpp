@@ -2,23 +2,24 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace gib {
 
 namespace {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-    // The row holds the distances of a's first i letters to all beginnings of b.
-    std::vector<std::size_t> row(b.size() + 1);
+    // The rows hold the distances of a's first i - 1, i and i + 1 letters to all beginnings of b.
+    std::vector<std::size_t> before, row(b.size() + 1), next(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
     for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
+        next[0] = i + 1;
         for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+            next[j + 1] = std::min({row[j] + (a[i] == b[j] ? 0 : 1), next[j] + 1, row[j + 1] + 1});
+            if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j])
+                next[j + 1] = std::min(next[j + 1], before[j - 1] + 1);
         }
+        before = std::exchange(row, next);
     }
     return row.back();
 }

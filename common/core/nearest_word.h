@@ -7,8 +7,8 @@
 
 namespace gib {
 
-/// The known word with the smallest edit distance (Levenshtein 1966: insertions, deletions and replacements of one letter),
-/// the first of equals. Empty if even that one differs in more than a third of its letters.
+/// The known word with the smallest edit distance (Damerau 1964, restricted: one letter inserted, deleted or replaced, or two
+/// neighbours swapped), the first of equals. Empty if even that one differs in more than a third of its letters.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& known);
 
 /// "; did you mean 'render'?", or nothing if no known word is near.

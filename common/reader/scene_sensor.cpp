@@ -11,7 +11,6 @@ namespace gib {
 
 namespace {
 
-constexpr double most_pixels = 1e9;
 constexpr int deepest_integrator = 8;  ///< an integrator that refers to itself must not recurse for ever
 
 ReconstructionFilter parse_filter(const NestedObject& filter, const XmlIds& ids) {
@@ -231,9 +230,9 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     if (resolution) set_resolution(parameters, *resolution);
     const auto sample_count = sampler ? parse_sampler(*sampler, ids) : std::nullopt;
     properties.finish();
-    if (1.0 * parameters.width * parameters.height > most_pixels)
+    if (1.0 * parameters.width * parameters.height > most_image_pixels)
         reject(film ? film->where : sensor.where, "an image of {} x {} pixels is above {:g} pixels", parameters.width,
-               parameters.height, most_pixels);
+               parameters.height, most_image_pixels);
     const Sensor result(parameters);
     if (!has_sound_rays(result))
         throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");

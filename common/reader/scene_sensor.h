@@ -7,6 +7,8 @@
 
 namespace gib {
 
+inline constexpr double most_image_pixels = 1e9;  ///< of any image that is rendered
+
 /// The largest coordinate of a camera's or a light's position, and of their axes.
 inline constexpr double largest_position = 1e18;
 

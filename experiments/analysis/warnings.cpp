@@ -120,12 +120,16 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
     return Warning{.kind = Warning::Kind::unlike_processors, .scene = scene, .sentence = text};
 }
 
+std::string busy_sign(const Analysis& analysis, const std::string& method, const Runs& cells) {
+    return analysis.index.is_external(method) ? "" : sign_of(cells);
+}
+
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
                                     const std::string& run_command) {
     std::vector<std::string> methods;
     std::string signs;
     for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
-        const std::string sign = analysis.index.is_external(method) ? "" : sign_of(cells);
+        const std::string sign = busy_sign(analysis, method, cells);
         if (sign.empty()) continue;
         methods.push_back(method);
         if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);

@@ -18,6 +18,9 @@ std::set<std::string> processors_of(const Runs& cells);
 /// alike.
 std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const std::string& scene);
 
+/// The signs of a machine that was busy when it measured the runs of a method, as in busy_machine(); empty if there are none.
+std::string busy_sign(const Analysis& analysis, const std::string& method, const Runs& cells);
+
 /// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
 /// for a pass, and the command that measures them again (`run_command` is empty for a tuning). Empty if there are none.
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene, const std::string& run_command);

@@ -141,22 +141,24 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
 }
 
 /// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
-/// meet none, normals towards the camera, and whether the surface is diffuse, so that an estimate is made there.
+/// meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2 diffusely, so that
+/// an estimate is made there.
 void add_pixel_places(const Scene& scene, const PixelGrid& grid, Arrays& arrays) {
     std::vector<Position> points;
     std::vector<std::array<std::int8_t, 3>> normals;
-    std::vector<std::uint8_t> diffuse;
+    std::vector<std::uint8_t> reflections;
     for (std::size_t i = 0; i < grid.count(); ++i) {
         const Ray ray = scene.sensor().generate_ray(grid.x(i), grid.y(i), Vec2::Constant(0.5f));
         const auto hit = scene.intersect(ray);
         const Vec3 n = hit ? normal_towards(*hit, -ray.d) : Vec3(Vec3::Zero());
         points.push_back(position_of(hit ? hit->p : Vec3(Vec3::Constant(std::numeric_limits<float>::quiet_NaN()))));
         normals.push_back(bytes_of(n));
-        diffuse.push_back(hit && hit->bsdf->traits_at(-hit->shading.to_local(ray.d).z()).diffuse);
+        const LobeTraits lobes = hit ? hit->bsdf->traits_at(-hit->shading.to_local(ray.d).z()) : LobeTraits();
+        reflections.push_back(lobes.diffuse ? 2 : lobes.specular() ? 1 : 0);
     }
     arrays.add("pixel-points", points);
     arrays.add("pixel-normals", normals);
-    arrays.add("pixel-diffuse", diffuse);
+    arrays.add("pixel-reflections", reflections);
 }
 
 /// The images of a page, at the pixels of a grid. Equal ones are stored once.

@@ -11,7 +11,7 @@ class Estimates {
     this.layers = layers;
     this.points = arrayOf("pixel-points", Float32Array);
     this.normals = arrayOf("pixel-normals", Int8Array);
-    this.diffuse = arrayOf("pixel-diffuse", Uint8Array);
+    this.reflections = arrayOf("pixel-reflections", Uint8Array);
     this.arrays = {};
     this.chosen = this.facts.own;
     this.marks = new THREE.Group();
@@ -26,7 +26,7 @@ class Estimates {
   pixelAt(p) {
     const [columns] = this.facts.grid;
     let found = -1, best = Infinity;
-    for (let i = 0; i < this.diffuse.length; i++) {
+    for (let i = 0; i < this.reflections.length; i++) {
       const d = p.distanceToSquared(this.pointOf(i));
       if (d < best) [found, best] = [i, d];
     }
@@ -77,7 +77,10 @@ class Estimates {
   mark(i) {
     const p = this.pointOf(i), n = this.normalOf(i), words = [];
     this.line([vector(facts.camera.position), p], 0xffffff);
-    if (!this.diffuse[i]) return ["A specular surface: the path from the eye goes on, and no photons are looked up here."];
+    if (this.reflections[i] === 0) return ["This surface reflects nothing: no photons are looked up here."];
+    if (this.reflections[i] === 1) {
+      return ["A specular surface: the path from the eye goes on, and no photons are looked up here."];
+    }
     facts.maps.forEach((map, m) => {
       const radius = this.facts.radii[map.name], component = COMPONENTS_OF_MAPS[map.name];
       if (!radius) return;

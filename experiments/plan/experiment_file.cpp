@@ -1,8 +1,10 @@
 #include "experiments/plan/experiment_file.h"
 
 #include "common/core/files.h"
+#include "common/core/nearest_word.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
+#include "common/reader/scene_sensor.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/experiment_keys.h"
 #include "experiments/plan/experiment_methods.h"
@@ -27,6 +29,16 @@ std::string path_beside(const Experiment& experiment, const std::filesystem::pat
     return (written.is_absolute() ? written : folder / written).lexically_normal().string();
 }
 
+/// "; did you mean 'cornell-box.xml'?", if a file of the folder has such a name.
+std::string near_file(const std::filesystem::path& path) {
+    std::vector<std::string> names;
+    std::error_code no_folder;
+    for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), no_folder))
+        if (entry.path().extension() == ".xml") names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    return did_you_mean(path.filename().string(), names);
+}
+
 void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
     for (const auto& value : reader.filled_array(node, "scenes", "scene files")) {
         ExperimentScene scene;
@@ -35,7 +47,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         scene.path = path_beside(experiment, scene.written);
         scene.name = std::filesystem::path(scene.written).stem().string();
         if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
-            reject(scene.where, "there is no scene file '{}'", scene.path);
+            reject(scene.where, "there is no scene file '{}'{}", scene.path, near_file(scene.path));
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
                 reject(scene.where, "two scenes are named '{}': tables could not tell them apart", scene.name);
@@ -60,6 +72,9 @@ void read_resolution(const TomlReader& reader, const toml::node& node, Experimen
         throw InputError(reader.at(node), "'resolution' needs a list of two numbers: width and height");
     experiment.resolution = {reader.whole_number(sizes[0], "resolution", 1, most_pixels_across),
                              reader.whole_number(sizes[1], "resolution", 1, most_pixels_across)};
+    const auto [width, height] = *experiment.resolution;
+    if (1.0 * width * height > most_image_pixels)
+        reject(reader.at(node), "an image of {} x {} pixels is above {:g} pixels", width, height, most_image_pixels);
 }
 
 Budget read_budget(const TomlReader& reader, const toml::node& node) {
@@ -127,6 +142,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     label.name = reference_methods(label, where).front()->name;
     MethodSweep further(reader, find_comparable_method(label.name, where), label);
     const auto own = names_of(experiment_keys(), "[reference]");
+    reader.check_keys(table, "[reference]", further.keys_beside(own));
     for (const auto& entry : reader.entries(table))
         if (std::ranges::find(own, entry.key) == own.end()) further.add(entry);
     const auto labels = further.labels(where);

@@ -122,9 +122,10 @@ std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table
             reject(entry.key_at, "'spp' has no effect: the command lacks the placeholder {{spp}}");
         if (!is_one_of(entry.key, names_of(parameters)))
             reject(entry.key_at,
-                   "unknown key '{}' in a [[method]] with a command; there are: {}, and the names in braces in "
+                   "unknown key '{}' in a [[method]] with a command{} There are: {}, and the names in braces in "
                    "its command ({})",
-                   entry.key, fmt::join(settings, ", "), fmt::join(placeholders, ", "));
+                   entry.key, did_you_mean_or_stop(entry.key, settings), fmt::join(settings, ", "),
+                   fmt::join(placeholders, ", "));
         sweep.add(entry);
     }
     return sweep.combinations();
@@ -196,6 +197,8 @@ ExperimentMethods read_methods(const TomlReader& reader, const toml::node& node)
         if (!name) throw InputError(where, "a [[method]] needs a 'name'");
         const auto& description = find_comparable_method(reader.string(*name, "name"), reader.at(*name));
         MethodSweep sweep(reader, description, MethodLabel{description.name, {}});
+        reader.check_keys(table, fmt::format("a [[method]] '{}'", description.name),
+                          sweep.keys_beside(names_of(experiment_keys(), "[[method]]")));
         for (const auto& entry : reader.entries(table))
             if (entry.key == "filter") sweep.add(entry, filter_names);
             else if (entry.key != "name" && entry.key != "label") sweep.add(entry);

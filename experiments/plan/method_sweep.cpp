@@ -33,6 +33,12 @@ void MethodSweep::add(const TomlReader::Entry& entry, const std::vector<std::str
     labels_ = std::move(grid);
 }
 
+std::vector<std::string> MethodSweep::keys_beside(std::vector<std::string> own) const {
+    for (const std::string& name : names_of(parameters_))
+        if (std::ranges::find(own, name) == own.end()) own.push_back(name);
+    return own;
+}
+
 std::vector<MethodLabel> MethodSweep::labels(const SourceLocation& where) const {
     for (const auto& label : labels_) {
         const ConfiguredMethod method(label, where);

@@ -28,6 +28,8 @@ public:
     void add(const TomlReader::Entry& entry);
     /// The same with these values for the entry's.
     void add(const TomlReader::Entry& entry, const std::vector<std::string>& values);
+    /// The keys of a table that has these keys of its own besides the parameters.
+    std::vector<std::string> keys_beside(std::vector<std::string> own) const;
     /// All labels, each after the method's own check, which sees its values together. Throws InputError at `where`.
     std::vector<MethodLabel> labels(const SourceLocation& where) const;
     /// All labels as they are, without that check.

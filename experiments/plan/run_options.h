@@ -32,7 +32,7 @@ struct RunOptions {
     std::optional<std::string> out;          ///< folder of the results; else results/<experiment's name>
     int threads = 0;                         ///< 0: one per processor
     std::optional<int> seeds;                ///< number of seeds, instead of the file's
-    std::string only;                        ///< keeps only cells whose scene or label contains this
+    std::string only;                        ///< keeps only cells whose scene, label or short name contains this
     bool fresh = false;                      ///< whether complete cells are done again
     std::string program = "/proc/self/exe";  ///< program that measures a cell
     std::string command_line;                ///< as typed, for the manifest

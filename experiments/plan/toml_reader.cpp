@@ -1,5 +1,6 @@
 #include "experiments/plan/toml_reader.h"
 
+#include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 
 #include <fmt/ranges.h>
@@ -65,7 +66,8 @@ void TomlReader::check_keys(const toml::table& table, std::string_view what,
                             const std::vector<std::string>& known) const {
     for (const auto& entry : entries(table))
         if (std::ranges::find(known, entry.key) == known.end())
-            reject(entry.key_at, "unknown key '{}' in {}; there are: {}", entry.key, what, fmt::join(known, ", "));
+            reject(entry.key_at, "unknown key '{}' in {}{} There are: {}", entry.key, what,
+                   did_you_mean_or_stop(entry.key, known), fmt::join(known, ", "));
 }
 
 std::string TomlReader::typed_at(const toml::source_position& position) const {

@@ -149,7 +149,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     add_threads(command, options->threads);
     command->add_option("--seeds", options->seeds, "run seeds 1 to this number instead of the file's")
         ->check(CLI::Range(1, most_seeds));
-    command->add_option("--only", options->only, "keep the cells whose scene or label contains this text");
+    command->add_option("--only", options->only, "keep the cells whose scene, label or short name contains this text");
     command->add_flag("--quiet", options->quiet, "print warnings and errors only: no progress, no verdict");
     command->add_flag("--fresh", options->fresh,
                       "delete the measurements of the selected cells and measure them again (references are kept, "
@@ -316,7 +316,7 @@ void add_compare_runs(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(
         "compare-runs", "say which methods have become better or worse from one run of an experiment to another");
     command->add_option("OLD", options->before, "a folder of results")->required();
-    command->add_option("NEW", options->after, "a folder of results of the same scenes and labels")->required();
+    command->add_option("NEW", options->after, "a folder of results of the same scenes")->required();
     command->add_flag("--csv", options->csv, "print CSV");
     command->add_flag("--fail-if-worse", options->fail_if_worse,
                       "exit code 1 if a number is worse, or none is compared");

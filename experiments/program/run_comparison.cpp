@@ -3,6 +3,7 @@
 #include "common/core/parallel.h"
 #include "experiments/analysis/analysis.h"
 #include "experiments/analysis/ranking.h"
+#include "experiments/analysis/warnings.h"
 #include "experiments/report/words.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/text/numbers.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
 
 namespace gib {
 
@@ -97,8 +99,8 @@ private:
     Contest before_, after_;
 };
 
-/// Sets the factor and the verdict, where the interval misses the truth with probability `tail` at most.
-void judge(Pair& pair, double tail, bool is_same_machine) {
+/// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is none yet.
+void judge(Pair& pair, double tail) {
     Change& change = pair.change;
     const double squares = change.of == Change::Of::error ? 2 : 1;  // contenders have squared errors
     std::vector<VarianceTerm> terms = pair.before.scatter;
@@ -111,8 +113,7 @@ void judge(Pair& pair, double tail, bool is_same_machine) {
     if (std::isfinite(half))
         change.factor.interval = Interval{std::min(change.factor.value, std::exp(log_factor - half)),
                                           std::max(change.factor.value, std::exp(log_factor + half))};
-    if (!is_same_machine) change.verdict = ChangeVerdict::other_machine;
-    if (!is_same_machine || !change.factor.interval) return;
+    if (change.verdict != ChangeVerdict::cannot_be_told || !change.factor.interval) return;
     // A machine that is slower by `same_speed` has errors at equal time that are larger by its root.
     const double same = std::pow(same_speed, 1 / squares);
     if (change.factor.interval->hi < 1 / same) change.verdict = ChangeVerdict::better;
@@ -134,6 +135,71 @@ const IndexScene* scene_named(const Analysis& analysis, const std::string& name)
     return nullptr;
 }
 
+/// The verdict on seconds that do not compare; `cannot_be_told` of others.
+ChangeVerdict verdict_on_machines(const Analysis& before, const Analysis& after, const Change& change) {
+    const auto machine = [&](const Analysis& run) { return machine_of(run, change.scene, change.method); };
+    const auto is_busy = [&](const Analysis& run) {
+        return !busy_sign(run, change.method, cells_by_method(run, change.scene).at(change.method)).empty();
+    };
+    if (machine(before) != machine(after)) return ChangeVerdict::other_machine;
+    return is_busy(before) || is_busy(after) ? ChangeVerdict::busy_machine : ChangeVerdict::cannot_be_told;
+}
+
+/// The short names of the labels that only `run` has.
+std::map<std::string, std::string> own_labels(const Analysis& run, const Analysis& other) {
+    std::map<std::string, std::string> own;
+    for (const TableRow& row : run.rows)
+        own[row.method] = row.name;
+    for (const TableRow& row : other.rows)
+        own.erase(row.method);
+    return own;
+}
+
+/// The beginning of a short name: the `label` of the experiment file, else the method's name.
+std::string begin_of_name(const Analysis& run, const std::string& label) {
+    const auto given = run.index.given_names.find(label);
+    return given == run.index.given_names.end() ? label.substr(0, label.find(' ')) : given->second;
+}
+
+using LabelPairs = std::map<std::string, std::string>;  // label in the old run, by the label in the new run
+
+/// The methods whose settings have changed, by their short names, or else by the beginnings of these.
+LabelPairs changed_labels(const Analysis& before, const Analysis& after) {
+    auto old_labels = own_labels(before, after), new_labels = own_labels(after, before);
+    LabelPairs pairs;
+    const auto pair_by = [&](const auto& key_of) {
+        std::map<std::string, std::pair<std::vector<std::string>, std::vector<std::string>>> alike;
+        for (const auto& [label, name] : old_labels)
+            alike[key_of(before, label, name)].first.push_back(label);
+        for (const auto& [label, name] : new_labels)
+            alike[key_of(after, label, name)].second.push_back(label);
+        for (const auto& [key, labels] : alike) {
+            if (key.empty() || labels.first.size() != 1 || labels.second.size() != 1) continue;
+            pairs[labels.second.front()] = labels.first.front();
+            old_labels.erase(labels.first.front());
+            new_labels.erase(labels.second.front());
+        }
+    };
+    pair_by([](const Analysis&, const std::string&, const std::string& name) { return name; });
+    pair_by(
+        [](const Analysis& run, const std::string& label, const std::string&) { return begin_of_name(run, label); });
+    return pairs;
+}
+
+/// The new run with the labels of the old one.
+Analysis with_old_labels(Analysis after, const LabelPairs& pairs) {
+    const auto rename = [&](std::string& method) {
+        if (const auto found = pairs.find(method); found != pairs.end()) method = found->second;
+    };
+    for (TableRow& row : after.rows)
+        rename(row.method);
+    for (Cell& cell : after.cells)
+        rename(cell.method);
+    for (std::string& label : after.index.externals)
+        rename(label);
+    return after;
+}
+
 /// The short name of a method, if both runs have the same; else the label.
 std::string name_in_both(const Analysis& before, const Analysis& after, const Change& change) {
     const TableRow *a = before.row(change.scene, change.method, Layer::total),
@@ -145,8 +211,7 @@ std::string name_in_both(const Analysis& before, const Analysis& after, const Ch
 void remark_missing(const Analysis& in, const Analysis& missing_in, const char* which, RunComparison& comparison) {
     for (const TableRow& row : in.rows)
         if (row.layer == Layer::total && !missing_in.row(row.scene, row.method, Layer::total))
-            comparison.remarks.push_back(
-                fmt::format("{}, {}: only in the {} run", row.scene, row.name.empty() ? row.method : row.name, which));
+            comparison.remarks.push_back(fmt::format("{}, {}: only in the {} run", row.scene, row.method, which));
 }
 
 Analysis analysis_in(const std::string& path) {
@@ -185,21 +250,25 @@ std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict) {
 std::string summary(const RunComparison& comparison) {
     if (comparison.changes.empty()) return "nothing to compare: the runs share no cell with an error\n";
     std::string text;
-    for (const auto verdict :
-         {ChangeVerdict::better, ChangeVerdict::worse, ChangeVerdict::cannot_be_told, ChangeVerdict::other_machine})
+    for (const auto verdict : {ChangeVerdict::better, ChangeVerdict::worse, ChangeVerdict::cannot_be_told,
+                               ChangeVerdict::busy_machine, ChangeVerdict::other_machine})
         if (const std::size_t count = count_of(comparison, verdict); count > 0 || verdict <= ChangeVerdict::worse)
             text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name_of(verdict));
-    return fmt::format("{} numbers: {}\n", comparison.changes.size(), text);
+    const std::size_t count = comparison.changes.size();
+    return fmt::format("{} number{}: {}\n", count, count == 1 ? "" : "s", text);
 }
 
 }  // namespace
 
 const char* name_of(ChangeVerdict verdict) {
-    constexpr const char* names[] = {"better", "worse", "cannot be told", "other machine"};
+    constexpr const char* names[] = {"better", "worse", "cannot be told", "other machine",
+                                     "cannot be told: the machine was busy"};
     return names[static_cast<std::size_t>(verdict)];
 }
 
-RunComparison compare_runs(const Analysis& before, const Analysis& after) {
+RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
+    const LabelPairs changed = changed_labels(before, new_run);
+    const Analysis after = with_old_labels(new_run, changed);
     RunComparison comparison;
     std::vector<Pair> pairs;
     for (const std::string& scene : scenes_of(before)) {
@@ -219,13 +288,17 @@ RunComparison compare_runs(const Analysis& before, const Analysis& after) {
                     if (pair.change.method == method) pairs.push_back(pair);
     }
     for (Pair& pair : pairs) {
-        const auto machine = [&](const Analysis& run) {
-            return machine_of(run, pair.change.scene, pair.change.method);
-        };
-        judge(pair, change_tail / static_cast<double>(pairs.size()), machine(before) == machine(after));
-        pair.change.name = name_in_both(before, after, pair.change);
-        comparison.changes.push_back(pair.change);
+        Change& change = pair.change;
+        change.verdict = verdict_on_machines(before, after, change);
+        judge(pair, change_tail / static_cast<double>(pairs.size()));
+        change.name = name_in_both(before, after, change);
+        const auto found = std::ranges::find(changed, change.method, &LabelPairs::value_type::second);
+        change.method_after = found == changed.end() ? change.method : found->first;
+        comparison.changes.push_back(change);
     }
+    for (const auto& [new_label, old_label] : changed)
+        comparison.remarks.push_back(fmt::format("{}: its settings differ: `{}` in the old run, `{}` in the new run",
+                                                 begin_of_name(before, old_label), old_label, new_label));
     remark_missing(before, after, "old", comparison);
     remark_missing(after, before, "new", comparison);
     return comparison;
@@ -233,7 +306,7 @@ RunComparison compare_runs(const Analysis& before, const Analysis& after) {
 
 CsvTable change_table(const RunComparison& comparison) {
     CsvTable table{{"scene", "method", "number", "at", "before", "after", "factor", "factor_lo", "factor_hi", "verdict",
-                    "label", "before_is_floor", "after_is_floor"},
+                    "label", "before_is_floor", "after_is_floor", "method_after"},
                    {}};
     const auto yes = [](bool is_so) { return is_so ? "yes" : ""; };
     for (const Change& c : comparison.changes)
@@ -241,7 +314,7 @@ CsvTable change_table(const RunComparison& comparison) {
                    csv_number(c.before), csv_number(c.after), csv_number(c.factor.value),
                    c.factor.interval ? csv_number(c.factor.interval->lo) : "",
                    c.factor.interval ? csv_number(c.factor.interval->hi) : "", name_of(c.verdict), c.name,
-                   yes(c.before_is_floor), yes(c.after_is_floor)});
+                   yes(c.before_is_floor), yes(c.after_is_floor), c.method_after});
     return table;
 }
 

@@ -17,7 +17,7 @@
 
 namespace gib {
 
-enum class ChangeVerdict { better, worse, cannot_be_told, other_machine };
+enum class ChangeVerdict { better, worse, cannot_be_told, other_machine, busy_machine };
 const char* name_of(ChangeVerdict verdict);
 
 /// The probability that equal runs differ in any number.
@@ -28,7 +28,8 @@ inline constexpr double same_speed = 1.05;
 /// One number of a cell in both runs. Less is better.
 struct Change {
     enum class Of { error, seconds };
-    std::string scene, method;  ///< method: a label
+    std::string scene, method;      ///< method: its label in the old run
+    std::string method_after = {};  ///< its label in the new run
     std::string name = {};  ///< short name of the method (method_names.h), if both runs have the same; else the label
     Of of = Of::error;
     double at = 0;  ///< of an error: the time after which it is compared [s]; of seconds: the relative RMSE
@@ -45,7 +46,9 @@ struct RunComparison {
     std::vector<std::string> remarks;  ///< what is not compared, and why
 };
 
-/// Compares the totals of those cells that both runs have. Errors are compared after the time that the shorter of both runs
+/// Compares the totals of those cells that both runs have. A method whose settings have changed has another label; the labels
+/// that only one of the runs has are one method if their short names are equal, or else if they alone are left of those whose
+/// names begin alike (method_names.h). Errors are compared after the time that the shorter of both runs
 /// took; an error below what one of the references resolves counts as equal to that. Times are compared where all seeds
 /// of both runs have reached an error.
 RunComparison compare_runs(const Analysis& before, const Analysis& after);

@@ -21,7 +21,8 @@ function methodToggles(state, curves, redraw) {
 /** The viewer of a scene, which is made when it is first needed. */
 function panelOf(section) {
   const {scene} = section.dataset, place = section.querySelector(".viewer");
-  if (data.pictures[scene]) section.panel ??= new ViewerPanel(place, scene, section.id.replace("scene-", ""));
+  const best = section.querySelector(".tile.best")?.dataset.method;
+  if (data.pictures[scene]) section.panel ??= new ViewerPanel(place, scene, section.id.replace("scene-", ""), best);
   return section.panel;
 }
 

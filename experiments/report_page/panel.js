@@ -3,13 +3,15 @@ const stopsText = (v) => `${v > 0 ? "+" : ""}${v} stop${Math.abs(v) === 1 ? "" :
 const percent = (v, signed) => `${signed && v > 0 ? "+" : ""}${number(100 * v, 3)} %`;
 
 class ViewerPanel {
-  constructor(place, scene, number) {
+  /** `best`: the label of the method that is shown first; the first one if there is none. */
+  constructor(place, scene, number, best) {
     this.scene = scene;
     this.number = number;
     this.sources = new Sources(scene);
     const {images, times, pictures} = this.sources;
     this.baseStops = pictures.stops;
-    this.state = {a: Math.min(1, images.length - 1), b: 0, mode: 0, side: 0, split: 0.5, quantity: 0, error: 0, layer: 0,
+    const shown = Math.max(1, images.findIndex((image) => image.label === best));
+    this.state = {a: Math.min(shown, images.length - 1), b: 0, mode: 0, side: 0, split: 0.5, quantity: 0, error: 0, layer: 0,
       tone: 0, stops: this.baseStops, amplification: 0, time: times.length - 1};
     this.initial = {...this.state};
     this.stage = new Stage(this.sources, this.state, (pixel) => this.showValues(pixel));
@@ -43,7 +45,7 @@ class ViewerPanel {
     this.error = select("Error", errorNames, 0, change("error"));
     this.tone = select("Tone", tones, 0, change("tone"));
     this.save = button("Save PNG", "what the viewer shows", () =>
-      element("a", {download: `${this.scene}.png`, href: this.stage.canvas.toDataURL("image/png")}).click());
+      element("a", {download: this.fileName, href: this.stage.canvas.toDataURL("image/png")}).click());
     this.flipButton = button("Flip to B", "space", () => this.flip());
     this.split = slider("Split", {min: 0, max: 100, value: 50}, (v) => `${v} %`, (v) => this.setSplit(v / 100));
     this.exposure = slider("Exposure", {min: -10, max: 10, step: 0.25, value: 0}, stopsText, (v) => this.setStops(v));
@@ -74,6 +76,13 @@ class ViewerPanel {
       element("div", {className: "controls"}, this.time.whole,
         element("div", {className: "control exposure"}, this.exposure.whole, this.reset), this.zoom, this.save),
       element("p", {className: "muted notes", textContent: notes.join(" ")}));
+  }
+
+  /** SCENE-METHOD.png, with both methods of a split, and without one of a grid. */
+  get fileName() {
+    const {a, b, side} = this.state, {images} = this.sources;
+    const shown = {flip: [[a, b][side]], slide: [a, b], grid: []}[modes[this.state.mode]];
+    return `${[this.scene, ...shown.map((index) => images[index].label)].join("-").replace(/[^\w.,=+-]+/g, "_")}.png`;
   }
 
   /** The present mode, unless it shows all images. */

@@ -186,7 +186,7 @@ void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, Pr
     };
     for (std::size_t i = 0; i < cells.size(); ++i) {
         if (stop.seconds_left && !(stop.seconds_left() > 0)) {
-            progress.message(fmt::format("no time is left for {} cells", cells.size() - i));
+            progress.note(fmt::format("no time is left for {} cells", cells.size() - i));
             break;
         }
         const WorkCell& cell = *cells[i];

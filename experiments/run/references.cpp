@@ -76,7 +76,7 @@ std::vector<ReferenceBatch> References::made(std::size_t scene, std::optional<do
     // The lock is held until the folder has its own name for the file, because another run may replace the file at
     // any time after.
     const FileLock lock = lock_reference(work.path, [&](const std::string& owner) {
-        log_.progress.message(
+        log_.progress.note(
             fmt::format("{}: {} is making it; waiting until it has ended", reference_name(of.entry.name), owner));
     });
     FinishedReference finished;
@@ -84,9 +84,9 @@ std::vector<ReferenceBatch> References::made(std::size_t scene, std::optional<do
     if (!finished.missing.empty()) return finished.missing;
     link_file(work.path, folder_.reference_image(of.entry.name));
     entries_[scene] = {.identity = finished.identity, .notes = finished.warnings};
-    log_.progress.message(fmt::format("reference of {}: relative standard error {:.3g} % (epsilon {:.4g}){}",
-                                      of.entry.name, 100 * finished.relative_error, finished.epsilon,
-                                      finished.rounds_added == 0 ? " (stored)" : ""));
+    log_.progress.note(fmt::format("reference of {}: relative standard error {:.3g} % (epsilon {:.4g}){}",
+                                   of.entry.name, 100 * finished.relative_error, finished.epsilon,
+                                   finished.rounds_added == 0 ? " (stored)" : ""));
     for (const auto& warning : finished.warnings)
         log_.progress.message("warning: " + warning);
     return {};
@@ -109,7 +109,7 @@ bool References::take(std::size_t scene, const ResultFolder& from, const std::st
     if (identity.empty() || stored_reference_identity(image) != identity) return false;
     link_file(image, folder_.reference_image(name));
     entries_[scene] = {.identity = identity, .notes = stored_notes(from)[identity]};
-    log_.progress.message(fmt::format("reference of {}: {}", name, image));
+    log_.progress.note(fmt::format("reference of {}: {}", name, image));
     return true;
 }
 
@@ -119,7 +119,7 @@ void References::take_given(std::size_t scene) {
     const GivenReference given = given_reference(of.entry.reference_image, of.width, of.height, of.content_hash);
     if (given.identity != stored_reference_identity(stored)) write_reference(stored, given.reference);
     entries_[scene] = {.identity = given.identity, .notes = given.notes};
-    log_.progress.message(fmt::format("reference of {}: {}", of.entry.name, of.entry.reference_image));
+    log_.progress.note(fmt::format("reference of {}: {}", of.entry.name, of.entry.reference_image));
     for (const auto& note : given.notes)
         log_.progress.message("warning: " + note);
 }

@@ -1,5 +1,6 @@
 #include "experiments/run/run_experiment.h"
 
+#include "common/core/reject.h"
 #include "common/images/image_file.h"
 #include "experiments/results/manifest.h"
 #include "experiments/run/run_session.h"
@@ -31,9 +32,9 @@ void say_what_is_kept(const RunSession& run, const std::vector<CellState>& state
             ++replaced;
         }
     }
-    if (kept > 0) progress.message(fmt::format("cells complete already, not done again: {}", kept));
+    if (kept > 0) progress.note(fmt::format("cells complete already, not done again: {}", kept));
     if (replaced > 0)
-        progress.message(
+        progress.note(
             fmt::format("cells measured before with another scene file, reference, budget, epsilon, command or number "
                         "of threads, done again: {}",
                         replaced));
@@ -49,7 +50,7 @@ bool measure(RunSession& run, bool is_fresh) {
         run.make_references();
         auto states = run.list.states(run.folder);
         std::erase_if(states, [&](const CellState& s) { return run.references.has_failed(s.cell->scene); });
-        if (!run.log.progress.quiet) say_what_is_kept(run, states, run.log.progress);
+        say_what_is_kept(run, states, run.log.progress);
         run.write_index();
         run_cells(left_of(states), run.runner, run.log.progress);
     } catch (const Interrupted&) {
@@ -64,10 +65,24 @@ int interrupted(const RunSession& run, const RunOptions& options) {
     return exit_interrupted;
 }
 
-/// Says before anything is loaded that the folder of --out will be made below one that is not there, which may be mistyped.
-void tell_new_folders(const RunOptions& options) {
+/// Throws InputError if a folder cannot be made or written in, or RunError on a full disk; makes none.
+void require_possible(const std::string& folder) {
     namespace fs = std::filesystem;
-    if (!options.out || options.quiet) return;
+    std::error_code ignored;
+    fs::path there = fs::absolute(folder);
+    while (!fs::exists(there, ignored) && there.has_relative_path())
+        there = there.parent_path();
+    if (!fs::is_directory(there, ignored)) reject({}, "cannot make the folder '{}': a file is in the way", folder);
+    require_writable(there.string());
+}
+
+/// Checks before anything is loaded that the folder of --out can be made, and says that it will be made below one that is not
+/// there, which may be mistyped.
+void check_out(const RunOptions& options) {
+    namespace fs = std::filesystem;
+    if (!options.out) return;
+    require_possible(*options.out);
+    if (options.quiet) return;
     fs::path folder = fs::absolute(*options.out).lexically_normal();
     if (!folder.has_filename()) folder = folder.parent_path();
     if (const fs::path parent = folder.parent_path(); !fs::exists(parent))
@@ -225,7 +240,7 @@ bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& or
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;
-    tell_new_folders(options);
+    check_out(options);
     if (options.share) return run_share(options, out);
     RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::alone);
     const bool complete = measure(run, options.fresh);
@@ -245,6 +260,7 @@ int repeat_run(const std::string& results, RunOptions options, std::ostream& out
     if (!options.out) options.out = folder + "-repeat";
     if (std::error_code ignored; fs::equivalent(*options.out, folder, ignored))
         throw InputError("--repeat needs a folder of its own: --out is the one that is repeated");
+    require_possible(*options.out);
     options.threads = manifest.threads;
     warn_of_differences(manifest.machine);
 

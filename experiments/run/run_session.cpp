@@ -124,7 +124,7 @@ void RunSession::forget_cells() {
     std::size_t forgotten = 0;
     for (const WorkCell* cell : list.selected())
         forgotten += fs::remove(folder.cell_folder(cell->name) + "/cell.json");
-    if (forgotten > 0) log.progress.message(fmt::format("cells forgotten that were measured before: {}", forgotten));
+    if (forgotten > 0) log.progress.note(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
 void RunSession::write_index() { folder.write_index(index_of(*this)); }
@@ -138,7 +138,8 @@ std::string RunSession::write_results() {
                          .cells = manifest_cells(list, folder)};
     write_file(folder.file("manifest.json"), manifest_text(index, manifest));
     std::string report;
-    std::vector<std::string> damage, said;
+    std::vector<std::string> damage;
+    std::vector<Warning> warnings;
     with_threads(setup.threads, [&] {
         const Analysis analysis = analyse(folder);
         damage = analysis.damage;
@@ -146,14 +147,14 @@ std::string RunSession::write_results() {
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
         verdict = terminal_verdict(analysis);
-        for (const Warning& warning : analysis.warnings)  // a busy machine makes nothing wrong but times
-            said.push_back(fmt::format("{}: {}: {}{}", warning.kind == Warning::Kind::busy_machine ? "note" : "warning",
-                                       warning.scene, warning.sentence, help_of(warning)));
+        warnings = analysis.warnings;
     });
     for (const auto& what : damage)
         log.progress.message("warning: " + what);
-    for (const auto& what : said)
-        log.progress.message(what);
+    for (const Warning& warning : warnings)
+        if (warning.kind == Warning::Kind::busy_machine)  // it makes nothing wrong but times
+            log.progress.note(fmt::format("note: {}: {}", warning.scene, warning.sentence + help_of(warning)));
+        else log.progress.message(fmt::format("warning: {}: {}", warning.scene, warning.sentence + help_of(warning)));
     return report;
 }
 

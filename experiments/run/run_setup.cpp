@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
 #include <thread>
@@ -27,7 +28,7 @@ std::string povray_form(const Experiment& experiment, const std::string& only, c
                         const LoadedScene& loaded) {
     for (const MethodLabel& label : experiment.methods)
         if (const auto* external = experiment.external(label);
-            external && is_kept(only, entry.name, label.text()) && external->scene_format == SceneFormat::povray)
+            external && is_kept(only, experiment, entry.name, label) && external->scene_format == SceneFormat::povray)
             return povray_scene(loaded, entry.path, loading_of(experiment));
     return "";
 }
@@ -69,8 +70,8 @@ void plan_methods(RunSetup& setup, const LoadedScene& scene, ProgressLine& progr
 void require_a_cell(const RunSetup& setup, const std::string& only) {
     for (const RunScene& scene : setup.scenes)
         for (const MethodLabel& label : setup.experiment.methods)
-            if (is_kept(only, scene.entry.name, label.text())) return;
-    reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label", only);
+            if (is_kept(only, setup.experiment, scene.entry.name, label)) return;
+    reject({}, "--only '{}' keeps no cell: it is in no scene's name and in no method's label or name", only);
 }
 
 }  // namespace
@@ -82,8 +83,21 @@ LoadedScene RunSetup::load(const RunScene& scene) const {
     return loaded;
 }
 
+bool is_kept(const std::string& only, const Experiment& experiment, const std::string& scene,
+             const MethodLabel& method) {
+    std::string name;
+    if (const auto given = experiment.given_names.find(method.text()); given != experiment.given_names.end()) {
+        name = given->second;
+        for (const auto& [key, value] : method.values)
+            name += fmt::format(", {}={}", key, value);
+    }
+    return std::ranges::any_of(std::array{scene, method.text(), name},
+                               [&](const std::string& text) { return text.find(only) != std::string::npos; });
+}
+
 RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
     ProgressLine progress;
+    progress.quiet = options.quiet;
     RunSetup setup{.experiment = std::move(experiment),
                    .threads = options.threads > 0 ? options.threads
                                                   : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
@@ -95,7 +109,7 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
         const auto start = std::chrono::steady_clock::now();
         const LoadedScene loaded = load_scene(entry.path, loading_of(setup.experiment));
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        progress.message(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
+        progress.note(fmt::format("{}: loaded in {:.3f} s (not charged)", entry.name, seconds.count()));
         for (const auto& warning : loaded.warnings)
             progress.message("warning: " + warning);
         plan_methods(setup, loaded, progress);

@@ -61,9 +61,9 @@ struct RunSetup {
 /// Throws InputError.
 RunSetup checked_setup(Experiment experiment, const RunOptions& options);
 
-/// Whether `--only TEXT` keeps the cells of a label on a scene.
-inline bool is_kept(const std::string& only, const std::string& scene, const std::string& label) {
-    return scene.find(only) != std::string::npos || label.find(only) != std::string::npos;
-}
+/// Whether `--only TEXT` keeps the cells of a method on a scene: TEXT is in the scene's name, in the method's label, or in the
+/// name that the experiment file gives it, with its settings as in tables ("photon map, photons=1e5").
+bool is_kept(const std::string& only, const Experiment& experiment, const std::string& scene,
+             const MethodLabel& method);
 
 }  // namespace gib

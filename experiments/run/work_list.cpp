@@ -52,7 +52,7 @@ WorkList::WorkList(const RunSetup& setup, const std::string& only) {
         for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
             for (const MethodLabel& label : setup.experiment.methods) {
                 cells_.push_back(work_cell(setup, scene, label, static_cast<std::uint64_t>(seed)));
-                cells_.back().is_selected = is_kept(only, cells_.back().identity.scene, label.text());
+                cells_.back().is_selected = is_kept(only, setup.experiment, cells_.back().identity.scene, label);
             }
 }
 

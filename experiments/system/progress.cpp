@@ -50,6 +50,10 @@ void ProgressLine::message(const std::string& text) {
     say(text + "\n");
 }
 
+void ProgressLine::note(const std::string& text) {
+    if (!quiet) message(text);
+}
+
 void ProgressLine::clear() {
     if (std::exchange(drawn_, false)) say("\r\033[2K");
 }

@@ -21,9 +21,10 @@ STYLE = {
     "pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "gibench",
 }
 METADATA = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
-# Okabe and Ito's colours, without their yellow, which is too light for lines. The lengths of the three lists have no
-# common divisor, so that combinations repeat late.
-COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+# Okabe and Ito's colours, without their yellow, which is too light for lines, and then Tol's wine, olive, indigo and grey. The
+# lengths of the three lists have no common divisor, so that combinations repeat late.
+COLORS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#882255", "#999933",
+          "#332288", "#777777")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
 DASHES = ((), (5, 1.5), (1.5, 1), (5, 1.5, 1, 1.5), (8, 1.5))
 HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oooo")
@@ -239,7 +240,7 @@ def stages_figure(stages, labels, width):
     method often takes a hundred times as long as another."""
     stages = with_few_names(stages)
     names = list(dict.fromkeys(name for each in stages.values() for name in each))
-    looks = {name: {"facecolor": (COLORS[1:] + ("#f0e442", "#bbbbbb"))[i % 8], "hatch": HATCHES[i % len(HATCHES)]}
+    looks = {name: {"facecolor": (COLORS[1:7] + ("#f0e442", "#bbbbbb"))[i % 8], "hatch": HATCHES[i % len(HATCHES)]}
              for i, name in enumerate(names)}
     handles = [(Patch(edgecolor="black", linewidth=0.4, **looks[name]), name) for name in names]
     sheet = row_sheet({method: labels[method] for method in stages}, handles, width)
@@ -352,7 +353,7 @@ def sweep_figure(sweep, component, width):
     values = [value for part, look in looks.items() for value in draw_part(axes, sweep.points, part, look)]
     errors = [(x, max(row["bias2"], 0) + row["variance"]) for x, row in sweep.points]
     axes.plot([x for x, _ in errors], [y for _, y in errors], color="black", linewidth=0.8, linestyle="--", gid="error",
-              zorder=1)
+              zorder=3)
     axes.set_xlim(*log_limits([x for x, _ in sweep.points]))
     axes.set_ylim(*log_limits(values + [y for _, y in errors if y > 0]))
     log_ticks(axes.xaxis, *axes.get_xlim())

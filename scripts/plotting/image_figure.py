@@ -25,55 +25,68 @@ class Shown:
     pixels: numpy.ndarray
 
 
-def equal_time(curves):
-    """The shortest mean time of the methods' final images [s]."""
-    means = []
-    for method in unique(row["method"] for row in curves):
-        rows = select(curves, method=method)
-        last = [max((row for row in select(rows, seed=seed)), key=lambda row: row["pass"])["seconds"]
-                for seed in unique(row["seed"] for row in rows)]
-        means.append(math.fsum(last) / len(last))
-    return min(means)
+def three_digits(value):
+    """Without the point that `#` leaves behind three digits."""
+    return f"{value:#.3g}".rstrip(".") if value < 999.5 else f"{value:.0f}"
 
 
-def cell_folders(folder):
-    """The folders of seed 1 by (scene, label)."""
+def cell_records(folder):
+    """The folder, the seed and whether more time would not change the image of each cell, by (scene, label)."""
     found = {}
     for path in sorted(glob.glob(os.path.join(glob.escape(folder), "cells", "*", "cell.json"))):
         with open(path, encoding="utf-8") as file:
             record = json.load(file)
-        if record["seed"] == 1:
-            found[record["scene"], record["method"]] = os.path.dirname(path)
+        found.setdefault((record["scene"], record["method"]), []).append(
+            (os.path.dirname(path), record["seed"], record.get("converged", False)))
     return found
 
 
-def image_by(cell, rows, seconds):
-    """The file and the row of curves.csv of seed 1's last image that was kept by then, else of its first."""
-    rows = sorted(rows, key=lambda row: row["pass"])
+def mean_seconds(rows):
+    """The mean time of the seeds' final images [s]; `rows`: those of curves.csv for one scene and method."""
+    last = [max((row for row in select(rows, seed=seed)), key=lambda row: row["pass"])["seconds"]
+            for seed in unique(row["seed"] for row in rows)]
+    return math.fsum(last) / len(last)
+
+
+def equal_time(scene, curves, cells):
+    """The time of the report (Contest::equal_time): the shortest mean time of the methods' final images [s] without those that
+    have converged; the longest if each has. `curves`: rows of curves.csv for this scene."""
+    seconds = {method: mean_seconds(select(curves, method=method)) for method in unique(row["method"] for row in curves)}
+    running = [mean for method, mean in seconds.items()
+               if not all(converged for _, _, converged in cells.get((scene, method), [("", 1, False)]))]
+    return min(running, default=max(seconds.values()))
+
+
+def image_by(cell, rows, seconds, final):
+    """The file and the row of curves.csv of seed 1's last image that was kept by then, else of its first; `rows`: all seeds."""
+    rows = sorted(select(rows, seed="1"), key=lambda row: row["pass"])
     files = {row["pass"]: os.path.join(cell, "frames", f"{row['pass']:.0f}.exr") for row in rows[:-1]}
     files[rows[-1]["pass"]] = os.path.join(cell, "final.exr")
     kept = [row for row in rows if os.path.exists(files[row["pass"]])]
     if not kept:
         raise InputError(f"{cell}: it holds no image")
-    by_then = [row for row in kept if row["seconds"] <= LATE * seconds]
+    by_then = kept if final else [row for row in kept if row["seconds"] <= LATE * seconds]
     row = by_then[-1] if by_then else kept[0]
-    return files[row["pass"]], row
+    return files[row["pass"]], row, not by_then
 
 
 def shown_images(folder, scene, curves, labels, read):
-    """The reference and an image of each method of `labels` (names by label); `read` returns the pixels of a file."""
-    seconds = equal_time(curves)
-    cells = cell_folders(folder)
+    """The equal time, the reference and an image of each method of `labels` (names by label); `read` returns the pixels of a
+    file."""
+    cells = cell_records(folder)
+    seconds = equal_time(scene, curves, cells)
     images = [Shown("reference", "", read(os.path.join(folder, "images", f"{scene}-reference.exr")))]
     for method, name in labels.items():
-        rows = select(curves, method=method, seed="1")
-        if not rows or (scene, method) not in cells:
+        rows = select(curves, method=method)
+        first = [cell for cell, seed, _ in cells.get((scene, method), []) if seed == 1]
+        if not select(rows, seed="1") or not first:
             continue
-        path, row = image_by(cells[scene, method], rows, seconds)
-        error = row["rel_mse_corrected"]
-        percent = f"{100 * math.sqrt(error):#.3g} %, " if error is not None and error > 0 else ""
-        images.append(Shown(name, f"{percent}{row['seconds']:#.3g} s", read(path)))
-    return images
+        # Seeds differ in speed: the final image of the fastest method is by the equal time, which is their mean.
+        path, row, is_late = image_by(first[0], rows, seconds, mean_seconds(rows) <= seconds)
+        error, time = row["rel_mse_corrected"], f"{three_digits(row['seconds'])} s"
+        percent = f"{three_digits(100 * math.sqrt(error))} %, " if error is not None and error > 0 else ""
+        images.append(Shown(name, f"first image after {time}" if is_late else percent + time, read(path)))
+    return seconds, images
 
 
 def checked_crop(crop, pixels):
@@ -99,7 +112,8 @@ def image_sheet(images, crops, width):
     column = (width - GAP * (len(images) - 1)) / len(images)
     heights = [column * reference.shape[0] / reference.shape[1], *(column * crop[3] / crop[2] for crop in crops)]
     letters = max(int(column / LETTER), 6)
-    texts = [[*textwrap.wrap(image.name, letters, break_on_hyphens=False), image.detail] for image in images]
+    texts = [[line for text in (image.name, image.detail) for line in textwrap.wrap(text, letters, break_on_hyphens=False)]
+             for image in images]
     height = sum(heights) + GAP * len(crops) + (max(map(len, texts)) + 0.4) * TEXT
     figure = Figure(figsize=(width, height))
     for number, image in enumerate(images):
@@ -128,5 +142,6 @@ def caption(images, scene, seconds, escaped):
     words = "; ".join(f"{image.name}: {image.detail}" for image in images[1:])
     return "\n".join([
         r"\begin{figure}", r"  \centering", rf"  \includegraphics[width=\linewidth]{{images-{scene}.pdf}}",
-        rf"  \caption{{{escaped(scene)} after {seconds:.3g}\,s: relative RMSE and time of one image. {escaped(words)}.}}",
+        rf"  \caption{{{escaped(scene)} after {three_digits(seconds)}\,s: relative RMSE and time of one image. "
+        rf"{escaped(words)}.}}",
         r"\end{figure}", ""])

@@ -13,7 +13,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 try:
     import numpy
-    import OpenImageIO  # noqa: F401  layers() needs it
+    import OpenImageIO
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
@@ -82,6 +82,21 @@ class Module(unittest.TestCase):
         self.assertTrue(any(abs(number - layers[""][5, 3, 1]) < 1e-5 for number in numbers), pixel)
         self.assertIn("stderr", gibench.layers(os.path.join(self.folder, "images", "cornell-box-reference.exr")))
 
+    def test_layers_may_have_small_letters_or_luminance_alone(self):
+        def layers_of(*channels):
+            path = os.path.join(self.parent.name, "channels.exr")
+            spec = OpenImageIO.ImageSpec(2, 1, len(channels), "float")
+            spec.channelnames = channels
+            file = OpenImageIO.ImageOutput.create(path)
+            file.open(path, spec)
+            file.write_image(numpy.tile(numpy.arange(len(channels), dtype=numpy.float32), (1, 2, 1)))
+            file.close()
+            return gibench.layers(path)
+        self.assertEqual(layers_of("r", "g", "b")[""][0, 0].tolist(), [0, 1, 2])
+        self.assertEqual(layers_of("Z", "Y")[""][0, 0].tolist(), [1, 1, 1])
+        with self.assertRaisesRegex(OSError, "no layer of R, G, B or Y; its channels are: Z"):
+            layers_of("Z")
+
     def test_plot_draws_the_images_with_crops(self):
         def plot(*options):
             return subprocess.run([os.path.join(ROOT, "scripts", "plot"), self.folder, "--images", "--format", "png", *options],
@@ -96,7 +111,9 @@ class Module(unittest.TestCase):
             caption = file.read()
         # The image is one of seed 1: after the mean time of all seeds, it may be that of the first pass.
         errors = [row["rel_mse_corrected"] for row in gibench.table(self.folder, "curves.csv") if row["seed"] == 1]
-        self.assertTrue(any(f"paths, 2 of them: {100 * error ** 0.5:#.3g} \\%" in caption for error in errors), caption)
+        self.assertTrue(any(f"paths, 2 of them: {f'{100 * error ** 0.5:#.3g}'.rstrip('.')} \\%" in caption for error in errors),
+                        caption)
+        self.assertEqual(plot("--method", "paths, 2 of them").returncode, 0)
         for options, message in ((("--crop", "9,0,8,8"), "exceeds the image of 16 x 12"), (("--crop", "1,2"), "X,Y,W,H"),
                                  (("--method", "vcm"), "there is no method of cornell-box 'vcm'")):
             run = plot(*options)

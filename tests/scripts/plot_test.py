@@ -1,5 +1,6 @@
 """Tests of scripts/plot: the figures against the CSV files, the LaTeX table, errors. Exit code 77: skipped."""
 import importlib.util
+import json
 import math
 import os
 import re
@@ -14,7 +15,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 PLOT = os.path.join(ROOT, "scripts", "plot")
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 
-from plotting import bias_sweeps, error_curves, latex, result_tables  # noqa: E402  found by the line above
+from plotting import bias_sweeps, error_curves, latex, method_names, result_tables  # noqa: E402  found by the line above
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -294,6 +295,56 @@ class PartsTest(unittest.TestCase):
         rows = [{"method": "path spp=4", "label": "paths"}, {"method": "vcm", "label": ""}]
         self.assertEqual(result_tables.labels_of(rows), {"path spp=4": "paths", "vcm": "vcm"})
 
+    def test_labels_that_differ_in_spp_alone_are_one_method(self):
+        def row(method, label, seeds=3, passes="4", external=""):
+            return {"scene": "box", "component": "total", "method": method, "label": label, "seeds": seeds, "passes": passes,
+                    "external": external}
+        table = [row("path spp=4", "path spp=4"), row("path spp=16", "path spp=16", passes="15 to 16"),
+                 row("path spp=64", "path spp=64", seeds=1, passes="64"),
+                 row("m photons=10 spp=4", "map, 5 %, & more, photons=10, spp=4"),
+                 row("m photons=20 spp=4", "map, 5 %, & more, photons=20, spp=4"),
+                 row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
+                 row("other spp=1", "other spp=1", external="yes"), row("other spp=2", "other spp=2", external="yes")]
+        curves = [{"scene": "box", "method": each["method"]} for each in table]
+        found = method_names.one_label_a_method(result_tables.Results(curves, table, [], [], []))
+        self.assertEqual(result_tables.labels_of(found.table), {
+            "path spp=16": "path", "m photons=10 spp=4": "map, 5 %, & more, photons=10",
+            "m photons=20 spp=4": "map, 5 %, & more, photons=20", "vcm k=1 spp=4": "vcm k=1 spp=4",
+            "vcm k=2 spp=9": "vcm k=2 spp=9", "other spp=1": "other spp=1", "other spp=2": "other spp=2"})
+        self.assertEqual([each["method"] for each in found.curves], [each["method"] for each in found.table])
+
+    def test_images_are_those_at_the_reports_equal_time(self):
+        try:
+            from plotting import image_figure
+        except ImportError:
+            self.skipTest("matplotlib")
+        rows = [{"method": method, "seed": seed, "pass": number, "seconds": seconds, "rel_mse_corrected": 1.69}
+                for method, seed, number, seconds in (
+                    ("fast", "1", 1, 0.3), ("fast", "1", 2, 1.2), ("fast", "2", 2, 0.8), ("late", "1", 1, 1.11),
+                    ("late", "1", 2, 5), ("in time", "1", 1, 1.09), ("in time", "1", 2, 5), ("converged", "1", 1, 0.1))]
+        with tempfile.TemporaryDirectory() as folder:
+            for number, method in enumerate(result_tables.unique(row["method"] for row in rows)):
+                cell = os.path.join(folder, "cells", str(number))
+                os.makedirs(os.path.join(cell, "frames"))
+                with open(os.path.join(cell, "cell.json"), "w", encoding="utf-8") as file:
+                    json.dump({"scene": "box", "method": method, "seed": 1, "converged": method == "converged"}, file)
+                for name in ("final.exr", "frames/1.exr"):
+                    with open(os.path.join(cell, name), "w", encoding="utf-8"):
+                        pass
+            labels = {row["method"]: row["method"] for row in rows}
+            seconds, images = image_figure.shown_images(folder, "box", rows, labels, os.path.basename)
+        self.assertEqual(seconds, 1)
+        self.assertEqual([(image.name, image.detail, image.pixels) for image in images[1:]], [
+            ("fast", "130 %, 1.20 s", "final.exr"), ("late", "first image after 1.11 s", "1.exr"),
+            ("in time", "130 %, 1.09 s", "1.exr"), ("converged", "130 %, 0.100 s", "final.exr")])
+
+    def test_eleven_methods_have_colours_of_their_own(self):
+        try:
+            from plotting import figures
+        except ImportError:
+            self.skipTest("matplotlib")
+        self.assertEqual(len({figures.line_style(i)["color"] for i in range(11)}), 11)
+
     def test_sweeps_are_of_rows_that_differ_in_one_number(self):
         def row(method, bias2=1e-3, state="measured"):
             return {"method": method, "bias2": bias2, "bias2_lo": bias2 / 2, "variance": 1e-3, "bias_state": state}
@@ -366,6 +417,8 @@ class SweepTest(unittest.TestCase):
         self.assertIn("caustic", text)  # its bias is resolved, and that of the total is not
         self.assertIn("p = 1.00 (0.90 to 1.10)", text)
         self.assertIn("theory, smooth light: 2.00", text)
+        drawn = list(figure.groups)
+        self.assertGreater(drawn.index("error"), max(drawn.index("variance"), drawn.index("bias2")), "the sum is on top")
 
     def test_names_are_short(self):
         text = " ".join(Svg(os.path.join(self.folder, "figures", "error-box.svg")).text())
@@ -402,6 +455,7 @@ class ErrorTest(unittest.TestCase):
         self.refused("{}/table.csv: there is no scene 'sphere'; it has: box", "--scene", "sphere")
         message = "{}/table.csv: there is no component of box 'volume'; it has: total, direct"
         self.refused(message, "--component", "volume")
+        self.refused("there is no scene 'bxo'; did you mean 'box'? It has: box", "--scene", "bxo")
         self.refused("there is no format 'gif'", "--format", "pdf,gif")
         self.refused("'3.5' is not a length", "--width", "3.5")
         self.refused("there is no column 'varience'; did you mean 'variance'? There are: ", "--columns", "bias2,varience")

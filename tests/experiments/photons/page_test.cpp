@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -160,6 +161,13 @@ TEST(PhotonsPage, HoldsTheEstimatesOfTheImagesAtEachK) {
     EXPECT_NE(facts["images"][0]["indirect"], facts["images"][4]["indirect"]);
     EXPECT_EQ(red_of(page, facts["truth"]["total"]), red_of(reference.total.mean, grid));
     EXPECT_EQ(array<float>(page, "pixel-points").size(), 3 * grid.count());
+    const std::vector<float> emission =
+        red_of(*render(box, "photon_mapper photons=2000 k=20", 2)[Component::emission], grid);
+    const auto reflections = array<std::uint8_t>(page, "pixel-reflections");
+    for (std::size_t i = 0; i < grid.count(); ++i)
+        EXPECT_TRUE(emission[i] == 0 || reflections[i] == 0) << "the lamp is black";
+    EXPECT_EQ(std::ranges::count(reflections, 1), 0) << "nothing is specular";
+    EXPECT_GT(std::ranges::count(reflections, 2), 1000);
 }
 
 TEST(PixelGrid, KeepsEvenlySpacedPixelsWithinTheImage) {

@@ -316,6 +316,13 @@ class EstimateTest(PhotonsCase):
                 return circle.boundingSphere.radius""", self.stage)
             self.assertAlmostEqual(drawn / radius, 1, delta=0.006)
 
+    def test_a_black_lamp_is_not_called_specular(self):
+        self.page = self.open("estimates")
+        self.script("""
+            const {estimates} = arguments[0].layers;
+            estimates.show(estimates.reflections.findIndex((r, i) => r === 0 && estimates.points[3 * i] < Infinity))""", self.stage)
+        self.assertIn("This surface reflects nothing: no photons", self.find("#estimate-words").text)
+
     def test_a_place_that_the_camera_does_not_see_has_no_estimate(self):
         self.page = self.open("estimates")
         self.script("arguments[0].focus()", self.stage)

@@ -53,6 +53,13 @@ TEST_F(ExperimentFileTest, WrongWordsAreMetWithTheRightOnes) {
                 HasSubstr("did you mean 'photon_mapper'?"));
     EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'photon_mapper'\nphoton = 5\n"),
                 HasSubstr("did you mean 'photons'?"));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'paht'\n"), HasSubstr("did you mean 'path'?"));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'path'\nlable = 'x'\n"),
+                AllOf(HasSubstr("e.toml:4:1: "), HasSubstr("did you mean 'label'? There are: name, label, ")));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[reference]\ntagret = '1%'\n[[method]]\nname = 'path'\n"),
+                HasSubstr("did you mean 'target'?"));
+    EXPECT_THAT(error_of("scene = ['a.xml']\n"), HasSubstr("did you mean 'scenes'? There are: "));
+    EXPECT_THAT(error_of("scenes = ['aa.xml']\n"), HasSubstr("/aa.xml'; did you mean 'a.xml'?"));
 }
 
 TEST_F(ExperimentFileTest, ListsMakeSweepsAndGrids) {
@@ -116,6 +123,7 @@ TEST_F(ExperimentFileTest, ErrorsSayTheirPlaceAndWhatIsKnown) {
         {start + "paths = ['none']\n" + path, "2:10: ", "there is no folder '" + (folder_ / "none") + "'"},
         {start + "seeds = 'x'\n" + path, "2:9: ", ""},
         {start + "seeds = 0\n" + path, "2:9: ", ""},
+        {start + "resolution = [65536, 65536]\n" + path, "2:14: ", "above 1e+09 pixels"},
         {start + "epsilon = 1e-310\n" + path, "2:11: ", "from 1e-60 to 1e+60, not 1e-310"},
         {"scenes = ['no.xml']\n" + path, "1:11: ", "no.xml"},
         {start + "[[method]]\nname = 'pth'\n", "3:8: ", "photon_mapper"},
@@ -287,8 +295,9 @@ TEST_F(TuneFileTest, HasTheDefaultsOfTheCommandLine) {
 
 TEST_F(TuneFileTest, NamesThePlaceOfWhatIsWrong) {
     for (const auto& [text, error] :
-         {std::pair{"[tune]\ntargets = '5%'\n",
-                    "3:1: unknown key 'targets' in tune; there are: target, method, vary, minutes"},
+         {std::pair{
+              "[tune]\ntargets = '5%'\n",
+              "3:1: unknown key 'targets' in tune; did you mean 'target'? There are: target, method, vary, minutes"},
           {"[tune]\ntarget = '500%'\n", "3:10: a target is a relative error"},
           {"[tune]\nminutes = 0\n", "3:11: 'minutes' needs a number above 0"},
           {"[tune]\nmethod = ['path', 'paths']\n", "3:19: "},

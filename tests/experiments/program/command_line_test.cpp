@@ -238,7 +238,7 @@ TEST_F(CommandLineTest, ReferencesAreNeverLostToAnotherScene) {
          {"reference other.xml --target 40% -o r.exr", "reference tiny.xml --method path --target 40% -o r.exr",
           "reference tiny.xml --resolution 4x4 --target 40% -o r.exr",
           "render tiny.xml --method 'path spp=1' -o r.exr"}) {
-        EXPECT_THAT(run(arguments), exits(2, StartsWith("r.exr:1:1: this is "))) << arguments;
+        EXPECT_THAT(run(arguments), exits(2, StartsWith("r.exr: this is "))) << arguments;
         EXPECT_EQ(read_file(folder_ / "r.exr"), before) << arguments;
     }
     EXPECT_EQ(run("reference tiny.xml --target 39% -o r.exr").code, 0) << "its own scene adds to it";
@@ -277,7 +277,14 @@ TEST_F(CommandLineTest, ARunEndsWithItsVerdict) {
     EXPECT_THAT(first, exits(0, HasSubstr("there is no folder")));
     EXPECT_THAT(first.out, AllOf(HasSubstr("my paths"), HasSubstr("\nTables: new/deep/r/table.md\nReport: "),
                                  Not(HasSubstr("| tiny |"))));
-    EXPECT_EQ(run("run e.toml --out new/deep/r --quiet").out, "");
+    const ProgramResult quiet = run("run e.toml --out new/quiet --quiet");
+    EXPECT_EQ(quiet.out, "");
+    EXPECT_THAT(quiet.err,
+                AllOf(Not(HasSubstr("loaded in")), Not(HasSubstr("reference of")), Not(HasSubstr("note: "))));
+    EXPECT_THAT(run("run e.toml --out new/only --only 'my p'"), exits(0));
+    EXPECT_THAT(read_file(folder_ / "new/only/table.csv"), AllOf(HasSubstr("tiny,path,"), Not(HasSubstr("tiny,vcm,"))));
+    EXPECT_THAT(run("run e.toml --out e.toml/r"),
+                exits(2, AllOf(HasSubstr("a file is in the way"), Not(HasSubstr("loaded in")))));
     EXPECT_THAT(read_file(folder_ / "new/deep/r/table.csv"), HasSubstr("tiny,path,total"));
     const ProgramResult same = run("compare-runs new/deep/r new/deep/r --fail-if-worse");
     EXPECT_THAT(same, prints(HasSubstr("tiny, my paths\n"), HasSubstr("x 1.00 ("), HasSubstr("0 better, 0 worse")));

@@ -178,6 +178,10 @@ class PageTest(ReportCase):
                   .filter((e) => !e.getContext("2d").getImageData(0, 0, e.width, e.height).data.some((v) => v > 0))
                   .map((e) => e.getAttribute("aria-label"))""")
             self.assertEqual(blank, [])
+            shown = self.script("""
+                const shown = (selector) => [...document.querySelectorAll(selector)].some((e) => e.checkVisibility());
+                return [".methods .swatch", ".scene-controls select", ".viewer"].map(shown)""")
+            self.assertEqual(shown, [True, False, False], "of the controls, the key to the colours alone is printed")
             self.script("dispatchEvent(new Event('afterprint'))")
             self.assertGreater(self.script("return document.querySelectorAll('details:not([open])').length"), 0)
         finally:
@@ -191,6 +195,7 @@ class PageTest(ReportCase):
 
     def test_the_other_scene_has_its_own_images(self):
         self.open(LAPTOP, scene=1)
+        self.choose("A", PATH)
         self.go_to(15, 18)
         expected = fixture.pixels(os.path.join(self.images, "cornell-glass-path_spp=64.exr"))[15, 18]
         self.assert_pixel(self.values("A"), expected)

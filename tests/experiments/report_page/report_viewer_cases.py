@@ -1,6 +1,7 @@
 """The viewer of a report: the pixels that it shows, and the effects of its controls."""
 import math
 import os
+import re
 
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -11,6 +12,15 @@ from report_browser import BOX, LAPTOP, PATH, PHOTONS, ReportCase
 
 
 class ViewerTest(ReportCase):
+    def setUp(self):
+        super().setUp()
+        self.opened_with = self.label()
+        self.choose("A", PATH)
+
+    def test_opens_with_the_best_method(self):
+        best = self.section.find_element(By.CSS_SELECTOR, ".tile.best").get_attribute("data-method")
+        self.assertIn(f"A: {best}", self.opened_with)
+
     def test_values_are_those_of_the_files(self):
         method = self.pixels(PATH)
         reference = self.pixels("reference")
@@ -276,7 +286,8 @@ class ViewerTest(ReportCase):
         self.script("HTMLAnchorElement.prototype.click = function() { window.saved = [this.download, this.href]; }")
         self.press("Save PNG")
         name, url = self.script("return window.saved")
-        self.assertEqual(name, "cornell-box.png")
+        label = self.script("const {state, sources} = arguments[0].panel; return sources.images[state.a].label", self.section)
+        self.assertEqual(name, f"cornell-box-{re.sub(r'[^A-Za-z0-9_.,=+-]+', '_', label)}.png")
         self.assertEqual(url, self.script("return arguments[0].panel.stage.canvas.toDataURL('image/png')", self.section))
         self.assertTrue(url.startswith("data:image/png;base64,"))
 
