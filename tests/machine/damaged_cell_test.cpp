@@ -145,7 +145,7 @@ TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
         EXPECT_THAT(read_file(results("table.md")), HasSubstr("4 cells of the experiment are not complete"));
     };
     damage(file, read_file(file).substr(0, 200));
-    left_out("warning: results/e/images/tiny-reference.exr:");
+    left_out("warning: results/e/images/tiny-reference.exr:1:1: ");
     fs::remove(file);
     left_out("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
     EXPECT_EQ(run().code, 0);  // the reference is made again
@@ -163,7 +163,7 @@ TEST_F(DamagedCellTest, ADamagedReferenceIsSaidWhereItIsReadOnly) {
                                               "can be read")));
         EXPECT_EQ(read_file(results("table.csv")), rows) << "the last good one stays";
     };
-    refused("warning: results/e/images/tiny-reference.exr:");
+    refused("warning: results/e/images/tiny-reference.exr:1:1: ");
     fs::remove(file);
     refused("warning: results/e/images/tiny-reference.exr: the file is missing; the scene is left out\n");
     EXPECT_THAT(run(), exits(0, HasSubstr("made again")));
