@@ -4,8 +4,7 @@ namespace gib {
 
 std::string format_location(const SourceLocation& where, const std::string& message) {
     if (where.file.empty()) return message;
-    if (where.line < 0) return where.file + ": " + message;
-    // Every message about a text file has the same three-part prefix, so that editors and scripts can parse it.
+    // Every message about a file has the same three-part prefix, so that editors and scripts can parse it.
     return where.file + ":" + std::to_string(std::max(where.line, 1)) + ":" +
            std::to_string(std::max(where.column, 1)) + ": " + message;
 }

@@ -2,7 +2,6 @@
 
 #include "common/color/cie.h"
 #include "common/color/srgb.h"
-#include "common/core/binary_file.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
 #include "common/images/image_library.h"
@@ -81,9 +80,9 @@ void require_display_window(const StoredImage& stored, const std::string& path) 
                          data.x + data.width >= display.x + display.width &&
                          data.y + data.height >= display.y + display.height;
     if (!covered)
-        throw InputError(binary_file(path), "the data window of " + size_text(data.width, data.height) +
-                                                " pixels does not cover the display window of " +
-                                                size_text(display.width, display.height) + ": a cropped image");
+        throw InputError({path, 0, 0}, "the data window of " + size_text(data.width, data.height) +
+                                           " pixels does not cover the display window of " +
+                                           size_text(display.width, display.height) + ": a cropped image");
 }
 
 /// A layer as an image of the display window, in linear RGB.
@@ -163,7 +162,7 @@ std::vector<StoredLayer> layers_among(const std::vector<std::string>& names, con
         const int index = channel_index(names, name);
         if (!part && (channel == "Y" || names.size() == 1)) layers.push_back({layer, {index, index, index}});
         else if (is_read_by_name(layer) && (channel == "R" || channel == "G" || channel == "B" || channel == "X"))
-            throw InputError(binary_file(path),
+            throw InputError({path, 0, 0},
                              "the layer '" + layer + "' has a channel " + channel + ", but not all of R,G,B or X,Y,Z");
     }
     std::stable_partition(layers.begin(), layers.end(), [](const auto& layer) { return layer.name.empty(); });
@@ -212,7 +211,7 @@ LayeredImage read_image(const std::string& path) {
         std::string names;
         for (const auto& name : stored.channels)
             names += (names.empty() ? "" : ", ") + name;
-        throw InputError(binary_file(path), "no channels R,G,B or Y; the image has " + names);
+        throw InputError({path, 0, 0}, "no channels R,G,B or Y; the image has " + names);
     }
     LayeredImage image;
     for (const StoredLayer& layer : layers)

@@ -1,6 +1,5 @@
 #include "common/images/linear_file.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/error.h"
 #include "common/core/memory_limit.h"
 #include "common/images/image_library.h"
@@ -18,7 +17,7 @@ LinearImage load_linear_image(const std::string& path) {
     const ImageReader& file = *reader;
     const int rows = std::min(64, file.height());
     require_memory_for_image(1.0 * file.width() * (3.0 * file.height() + 1.0 * rows * file.channels()), file.width(),
-                             file.height(), file.channels(), binary_file(path));
+                             file.height(), file.channels(), {path, 0, 0});
     LinearImage image(file.width(), file.height());
     const auto channels = static_cast<std::size_t>(file.channels());
     std::vector<float> values(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(rows) * channels);
@@ -31,10 +30,9 @@ LinearImage load_linear_image(const std::string& path) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const float v = values[i * channels + (channels == 3 ? k : 0)];
                 if (!std::isfinite(v))
-                    throw InputError(binary_file(path),
-                                     fmt::format("the pixel in column {}, row {} is not finite: {}",
-                                                 (first + i) % static_cast<std::size_t>(image.width),
-                                                 (first + i) / static_cast<std::size_t>(image.width), v));
+                    throw InputError({path, 0, 0}, fmt::format("the pixel in column {}, row {} is not finite: {}",
+                                                               (first + i) % static_cast<std::size_t>(image.width),
+                                                               (first + i) / static_cast<std::size_t>(image.width), v));
                 image.rgb[3 * (first + i) + k] = v;
             }
     }

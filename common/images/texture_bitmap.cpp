@@ -1,6 +1,5 @@
 #include "common/images/texture_bitmap.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/memory_limit.h"
 #include "common/core/reject.h"
 #include "common/images/image_library.h"
@@ -52,7 +51,7 @@ Bitmap::~Bitmap() {
 void Bitmap::measure(const ImageReader& file, const std::string& path) {
     // A damaged header may announce rows that do not fit into memory.
     require_memory(1.0 * sizeof(float) * width_ * tile_size * channels_,
-                   fmt::format("a texture of {} x {} pixels", width_, height_), binary_file(path));
+                   fmt::format("a texture of {} x {} pixels", width_, height_), {path, 0, 0});
     std::vector<float> values(static_cast<std::size_t>(width_) * tile_size * static_cast<std::size_t>(channels_));
     Colord sum = Colord::Zero();
     minimum_ = Color::Constant(infinity);
@@ -63,13 +62,13 @@ void Bitmap::measure(const ImageReader& file, const std::string& path) {
             files().read_rows(file_, width_, y, end, values.data());
         } catch (const RunError& error) {
             file.read_rows(y, end, values.data());  // throws the error without the cache's words
-            throw InputError(binary_file(path), error.what());
+            throw InputError({path, 0, 0}, error.what());
         }
         const int count = (end - y) * width_;
         for (int i = 0; i < count; ++i) {
             const Color c = color_at(values.data() + i * channels_);
             if (!c.isFinite().all())
-                reject(binary_file(path), "the pixel in column {}, row {} is not finite", i % width_, y + i / width_);
+                reject({path, 0, 0}, "the pixel in column {}, row {} is not finite", i % width_, y + i / width_);
             sum += c.cast<double>();
             minimum_ = minimum_.min(c);
             maximum_ = maximum_.max(c);

@@ -1,7 +1,6 @@
 #include "common/media/grid_volume.h"
 
 #include "common/core/binary.h"
-#include "common/core/binary_file.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
 
@@ -30,7 +29,7 @@ public:
         return load<T>(bytes_.data() + at_ - sizeof(T));
     }
     std::size_t rest() const { return bytes_.size() - at_; }
-    [[noreturn]] void fail(const std::string& message) const { throw InputError(binary_file(path_), message); }
+    [[noreturn]] void fail(const std::string& message) const { throw InputError({path_}, message); }
 
 private:
     const std::string& bytes_;

@@ -2,7 +2,6 @@
 // of the places where they start.
 
 #include "common/core/binary.h"
-#include "common/core/binary_file.h"
 #include "common/core/reject.h"
 #include "common/mesh_files/mesh_data.h"
 
@@ -26,7 +25,7 @@ enum Flag : std::uint32_t {
 
 template <typename... Args>
 [[noreturn]] void fail(const std::string& file, fmt::format_string<Args...> message, Args&&... args) {
-    reject(binary_file(file), message, std::forward<Args>(args)...);
+    reject(SourceLocation{file}, message, std::forward<Args>(args)...);
 }
 
 /// Unpacks the zlib stream at the start of `compressed`, and checks its checksum.

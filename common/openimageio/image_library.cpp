@@ -1,7 +1,6 @@
 // The library gib_images, which implements the interface of common/images/image_library.h with OpenImageIO.
 #include "common/images/image_library.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/error.h"
 #include "common/core/memory_limit.h"
 #include "common/openimageio/linear_reader.h"
@@ -80,8 +79,7 @@ public:
         images_->add_file(name, LinearInput::create, &config);
         OIIO::ImageCache::ImageHandle* file = images_->get_image_handle(name);
         OIIO::ImageSpec spec;
-        if (!file || !images_->get_imagespec(file, nullptr, spec))
-            throw InputError(binary_file(path), images_->geterror());
+        if (!file || !images_->get_imagespec(file, nullptr, spec)) throw InputError({path, 0, 0}, images_->geterror());
         return {file, spec.tile_width};
     }
 
@@ -106,7 +104,7 @@ class OiioLibrary final : public ImageLibrary {
 public:
     StoredImage read_image(const std::string& path) const override {
         const auto file = open_file(path);
-        const SourceLocation where = binary_file(path);
+        const SourceLocation where{path, 0, 0};
         const OIIO::ImageSpec& spec = file->spec();
         // The values are in memory twice, as they are read and as layers. A damaged header may announce more than the
         // file can hold.

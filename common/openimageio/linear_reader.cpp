@@ -1,7 +1,6 @@
 #include "common/openimageio/linear_reader.h"
 
 #include "common/color/srgb.h"
-#include "common/core/binary_file.h"
 #include "common/core/reject.h"
 
 #include <OpenImageIO/imageio.h>
@@ -64,7 +63,7 @@ void require_srgb_primaries(const OIIO::ImageSpec& spec, const SourceLocation& w
 }  // namespace
 
 std::unique_ptr<OIIO::ImageInput> open_file(const std::string& path, const OIIO::ImageSpec* config) {
-    const SourceLocation where = binary_file(path);
+    const SourceLocation where{path, 0, 0};
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) throw InputError(path + ": no such file");
     if (std::filesystem::is_directory(path, ignored)) throw InputError(where, "this is a folder, not an image");
@@ -84,7 +83,7 @@ void require_one_part(OIIO::ImageInput& file, const SourceLocation& where) {
 }
 
 LinearReader::LinearReader(const std::string& path, bool raw, const std::string& channel) : path_(path) {
-    const SourceLocation where = binary_file(path);
+    const SourceLocation where{path, 0, 0};
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are stored, not multiplied by alpha
     file_ = open_file(path, &config);

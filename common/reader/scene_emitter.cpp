@@ -1,6 +1,5 @@
 #include "common/reader/scene_emitter.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/reject.h"
 #include "common/images/linear_file.h"
 #include "common/reader/scene_daylight.h"
@@ -128,7 +127,7 @@ MappedEnvironment parse_envmap(Properties& properties, TextureFiles& files) {
     const auto width = static_cast<std::size_t>(image.width);
     for (std::size_t i = 0; i < image.rgb.size(); ++i) {
         if (!(image.rgb[i] >= 0))
-            reject(binary_file(path), "the pixel in column {}, row {} is negative: {}", i / 3 % width, i / 3 / width,
+            reject({path, 0, 0}, "the pixel in column {}, row {} is negative: {}", i / 3 % width, i / 3 / width,
                    image.rgb[i]);
         image.rgb[i] *= scale;
         if (!std::isfinite(image.rgb[i])) properties.reject("scale", "'scale' is too large for '{}': {}", name, scale);

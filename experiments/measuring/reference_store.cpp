@@ -1,6 +1,5 @@
 #include "experiments/measuring/reference_store.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
 #include "common/core/memory_limit.h"
@@ -23,8 +22,7 @@ namespace {
 template <typename Number>
 Number number_in(const std::map<std::string, std::string>& metadata, const std::string& key, const std::string& path) {
     const auto value = number_from<Number>(attribute_in(metadata, key));
-    if (!value)
-        reject(binary_file(path), "not a reference of gibench: its attribute '{}' is missing or no number", key);
+    if (!value) reject({path}, "not a reference of gibench: its attribute '{}' is missing or no number", key);
     return *value;
 }
 
@@ -97,10 +95,10 @@ Reference ReferenceGroups::reference() const {
 ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string& key, int width, int height) {
     const Reference file = read_reference(path);
     if (attribute_in(file.metadata, "reference_key") != key)
-        throw InputError(binary_file(path), "it is not the reference of this scene and method");
-    if (!is_verified(file)) throw InputError(binary_file(path), "it has no digest, so damage to it would not be seen");
+        throw InputError({path}, "it is not the reference of this scene and method");
+    if (!is_verified(file)) throw InputError({path}, "it has no digest, so damage to it would not be seen");
     if (file.total.mean.width != width || file.total.mean.height != height)
-        throw InputError(binary_file(path), "its size is not the scene's");
+        throw InputError({path}, "its size is not the scene's");
     ReferenceGroups groups;
     groups.rounds = number_in<std::uint32_t>(file.metadata, "rounds", path);
     groups.passes = number_in<std::uint64_t>(file.metadata, "passes", path);
@@ -183,19 +181,16 @@ GivenReference given_reference(const std::string& path, int width, int height, c
     Reference& reference = given.reference;
     const Image& mean = reference.total.mean;
     if (mean.width != width || mean.height != height)
-        reject(binary_file(path), "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height,
-               width, height);
+        reject({path}, "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height, width,
+               height);
     bool sound = is_sound(reference.total);
     for (const auto& component : reference.components)
         sound = sound && (!component || is_sound(*component));
-    if (!sound)
-        throw InputError(binary_file(path),
-                         "the reference has values that are not finite, or a negative standard error");
-    if (is_black(mean)) throw InputError(binary_file(path), "the reference is black, and no error is a share of it");
+    if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
+    if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
     if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
         !scene.empty() && scene != content_hash)
-        throw InputError(binary_file(path),
-                         "the reference is that of another scene, or of another version of this one");
+        throw InputError({path}, "the reference is that of another scene, or of another version of this one");
 
     // Other attributes are those of the file's own format.
     std::map<std::string, std::string> kept;

@@ -1,6 +1,5 @@
 #include "experiments/program/commands.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/files.h"
 #include "common/core/parallel.h"
 #include "common/scene/scene.h"
@@ -133,13 +132,13 @@ Reference reference_of(const LoadedScene& loaded, const std::string& path) {
     Reference reference = read_reference(path);
     const Image& image = reference.total.mean;
     if (image.width != scene.sensor().width() || image.height != scene.sensor().height())
-        throw InputError(binary_file(path),
+        throw InputError({path},
                          fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
                                      "changes that",
                                      image.width, image.height, scene.sensor().width(), scene.sensor().height()));
     const std::string hash = attribute_in(reference.metadata, "scene_hash");
     if (!hash.empty() && hash != loaded.content_hash)
-        throw InputError(binary_file(path), "the reference is of another scene, or of another version of it");
+        throw InputError({path}, "the reference is of another scene, or of another version of it");
     return reference;
 }
 

@@ -1,6 +1,5 @@
 #include "experiments/program/compare.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/files.h"
 #include "common/core/reject.h"
 #include "experiments/metrics/flip.h"
@@ -102,7 +101,7 @@ Json metrics(const Subject& subject, Flip flip) {
 
 const Image& layer_in(const LayeredImage& file, const std::string& name, const std::string& path) {
     const Image* image = file.find(name);
-    if (!image) throw InputError(binary_file(path), "the image has no channels R,G,B outside its named layers");
+    if (!image) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
     return *image;
 }
 
@@ -142,7 +141,7 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
     if (reference.standard_error) bad += reference.standard_error->non_finite_values();
     for (const Image& group : reference.groups)
         bad += group.non_finite_values();
-    if (bad > 0) reject(binary_file(path), "cannot be a reference: {} values of {} are not finite", bad, layer);
+    if (bad > 0) reject({path, 0, 0}, "cannot be a reference: {} values of {} are not finite", bad, layer);
 }
 
 void require_consistent(const CompareOptions& options) {

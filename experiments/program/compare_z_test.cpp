@@ -1,6 +1,5 @@
 #include "experiments/program/compare_z_test.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
 #include "experiments/metrics/z_statistic.h"
@@ -136,7 +135,7 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
 /// Throws InputError unless all variances are finite and at least 0; an infinite one would accept every image.
 void require_variances(const Image& image, const std::string& path) {
     const auto wrong = std::ranges::count_if(image.rgb, [](float v) { return !std::isfinite(v) || v < 0; });
-    if (wrong > 0) reject(binary_file(path), "cannot be a variance: {} values are not finite or below 0", wrong);
+    if (wrong > 0) reject({path, 0, 0}, "cannot be a variance: {} values are not finite or below 0", wrong);
 }
 
 }  // namespace
@@ -201,10 +200,9 @@ ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::
                              std::uint32_t spp) {
     const LayeredImage file = read_image(variance_path);
     const Image* variance = file.find("");
-    if (!variance)
-        throw InputError(binary_file(variance_path), "the image has no channels R,G,B outside its named layers");
+    if (!variance) throw InputError({variance_path, 0, 0}, "the image has no channels R,G,B outside its named layers");
     if (!variance->same_size(reference))
-        reject(binary_file(variance_path), "{} x {} pixels, but the reference has {} x {}", variance->width,
+        reject({variance_path, 0, 0}, "{} x {} pixels, but the reference has {} x {}", variance->width,
                variance->height, reference.width, reference.height);
     require_variances(*variance, variance_path);
     const MitsubaZTest test = mitsuba_z_test(x, reference, *variance, spp);

@@ -1,6 +1,5 @@
 #include "experiments/program/named_files.h"
 
-#include "common/core/binary_file.h"
 #include "common/core/nearest_word.h"
 #include "common/core/reject.h"
 #include "common/images/image_file.h"
@@ -56,8 +55,7 @@ std::string experiment_file(const std::string& path_or_name) {
 void require_no_reference(const std::string& path) {
     const auto image = exr_attributes(path);
     if (image && !attribute_in(*image, "reference_key").empty())
-        reject(binary_file(path),
-               "this is a reference (of '{}' by '{}'), which `render` does not replace; give another -o",
+        reject({path}, "this is a reference (of '{}' by '{}'), which `render` does not replace; give another -o",
                attribute_in(*image, "scene"), attribute_in(*image, "method"));
 }
 
@@ -66,10 +64,10 @@ void require_own_reference(const std::string& path, const std::string& key) {
     if (!image) return;
     const auto replace = "give another -o, or --replace";
     if (attribute_in(*image, "reference_key").empty())
-        reject(binary_file(path), "this is an image, but no reference, and would be lost; {}", replace);
+        reject({path}, "this is an image, but no reference, and would be lost; {}", replace);
     if (attribute_in(*image, "reference_key") != key)
         reject(
-            binary_file(path),
+            {path},
             "this is the reference of another scene, scene file, method or seed ('{}' by '{}'), and would be lost; {}",
             attribute_in(*image, "scene"), attribute_in(*image, "method"), replace);
 }

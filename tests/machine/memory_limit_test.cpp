@@ -120,12 +120,12 @@ TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
     const AddressSpace limit(rlim_t{4} << 30);
     write("large.pfm", "PF\n50000 50000\n-1.0\n" + std::string(1 << 20, '\0'));
     EXPECT_THAT(gibench("compare large.pfm large.pfm"),
-                exits(2, refusal("large.pfm: an image of 50000 x 50000 pixels")));
+                exits(2, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels")));
     std::string sky = tiny_scene_xml(4);
     sky.insert(sky.find("</scene>"), emitter("envmap", text("filename", "large.pfm")));
     write("sky.xml", sky);
     EXPECT_THAT(gibench("render sky.xml --method 'path spp=1' -o out.exr"),
-                exits(2, refusal("large.pfm: an image of 50000 x 50000 pixels")));
+                exits(2, refusal("large.pfm:1:1: an image of 50000 x 50000 pixels")));
 }
 
 /// The address space of this process [bytes].

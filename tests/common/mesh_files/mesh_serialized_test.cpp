@@ -129,7 +129,8 @@ TEST(SerializedMesh, ShapeIndexChoosesTheMesh) {
         const std::string file = file_of(meshes);
         for (int i = 0; i < 3; ++i)
             EXPECT_EQ(parse_serialized(file, "m", i).data.positions[1].x(), i + 1);
-        EXPECT_THAT(error_of(file, 3), StartsWith("m.serialized: shape_index 3 is out of range: there are 3 meshes"));
+        EXPECT_THAT(error_of(file, 3),
+                    StartsWith("m.serialized:1:1: shape_index 3 is out of range: there are 3 meshes"));
     }
     // The first mesh can be read without a dictionary at the end of the file.
     EXPECT_EQ(parse_serialized(Square().stream(), "m", 0).data.triangles.size(), 2u);
@@ -190,8 +191,8 @@ TEST(SerializedMesh, NoFlippedBitOfTheCompressedDataChangesTheMesh) {
 }
 
 TEST(SerializedMesh, ErrorsSayWhatIsWrong) {
-    EXPECT_THAT(error_of(""), StartsWith("m.serialized: truncated"));
-    EXPECT_THAT(error_of("ply\nformat"), StartsWith("m.serialized: not a serialized mesh"));
+    EXPECT_THAT(error_of(""), StartsWith("m.serialized:1:1: truncated"));
+    EXPECT_THAT(error_of("ply\nformat"), StartsWith("m.serialized:1:1: not a serialized mesh"));
     // Counts that the data cannot fill must be refused before memory is taken.
     const std::string less = "less data than its header says";
     for (const auto& [square, message] :
@@ -232,7 +233,7 @@ TEST(SerializedMesh, ScenesTakeItWithItsNormals) {
     EXPECT_TRUE(mesh(flag("flip_normals")).flip_normals);
     const auto error = [&](const std::string& body) { return input_error_of([&] { load(body); }); };
     EXPECT_THAT(error(index(-1)), HasSubstr("'shape_index' must be between 0 and"));
-    EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ": shape_index 7 is out of range"));
+    EXPECT_THAT(error(index(7)), StartsWith((folder / "m.serialized") + ":1:1: shape_index 7 is out of range"));
     EXPECT_THAT(error(flag("flip_tex_coords")),
                 HasSubstr("shape 'serialized' does not take a parameter 'flip_tex_coords'"));
     EXPECT_THAT(error(number("shape_index", 1)), HasSubstr("'shape_index' cannot be a <float>"));

@@ -340,7 +340,7 @@ TEST(BsdfErrors, BitmapsThatCannotBeRead) {
     };
     const auto expect = [&](const std::string& type, const std::string& name, const std::string& nested = "") {
         EXPECT_THAT(error(type, name, "text.png", nested),
-                    StartsWith((folder / "text.png") + ": not an image that can be read"))
+                    StartsWith((folder / "text.png") + ":1:1: not an image that can be read"))
             << type;
     };
     for (const auto& [type, names] : reflectances) {

@@ -111,17 +111,17 @@ TEST(EmitterErrors, Envmaps) {
         {{"", "3:1", "'envmap' needs 'filename'"}, {name, "4:1", "there is no file 'map.exr'; searched: "}}, error,
         scene);
     folder.write("map.exr", "no image");
-    EXPECT_THAT(error(name), StartsWith(map + ": "));
+    EXPECT_THAT(error(name), StartsWith(map + ":1:1: "));
     const auto write = [&](const Color& value) {
         const auto texel = [&](int x, int y) { return x == 3 && y == 1 ? value : Color(Color::Ones()); };
         write_exr(map, {{{"", image_of(4, 3, texel)}}, {}});
     };
     write(Color(1, -0.5f, 1));
     EXPECT_THAT(error(name),
-                AllOf(StartsWith(map + ": "), HasSubstr("the pixel in column 3, row 1 is negative: -0.5")));
+                AllOf(StartsWith(map + ":1:1: "), HasSubstr("the pixel in column 3, row 1 is negative: -0.5")));
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), infinity}) {
         write(Color(1, 1, bad));
-        EXPECT_THAT(error(name), AllOf(StartsWith(map + ": "), HasSubstr("is not finite")));
+        EXPECT_THAT(error(name), AllOf(StartsWith(map + ":1:1: "), HasSubstr("is not finite")));
     }
     write(Color::Ones());
     EXPECT_EQ(error(name), "no error");

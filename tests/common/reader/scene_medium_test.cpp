@@ -110,7 +110,7 @@ TEST(MediumErrors, VolumeFiles) {
     for (const auto& [bytes, message] : rows) {
         const std::string file = folder.write("v.vol", bytes);
         EXPECT_THAT(error_in("heterogeneous", grid("sigma_t", file)),
-                    AllOf(StartsWith(file + ": "), HasSubstr(message)));
+                    AllOf(StartsWith(file + ":1:1: "), HasSubstr(message)));
     }
 }
 

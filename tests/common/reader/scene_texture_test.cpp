@@ -231,7 +231,7 @@ TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
 TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {
     const auto error = [&](const std::string& name) { return error_in(bitmap(name)); };
     const auto expect = [&](const std::string& name, const std::string& message) {
-        EXPECT_THAT(error(name), AllOf(StartsWith((folder_ / name) + ": "), HasSubstr(message)));
+        EXPECT_THAT(error(name), AllOf(StartsWith((folder_ / name) + ":1:1: "), HasSubstr(message)));
     };
     folder_.write("text.png", "this is no image");
     expect("text.png", "not an image that can be read");

@@ -191,7 +191,7 @@ TEST_F(GivenReferenceRun, AnotherImageMeasuresTheCellsAgain) {
 
 TEST_F(GivenReferenceRun, AReferenceThatDoesNotFitFailsWithItsReason) {
     write_image(4, 0.5f);
-    EXPECT_THAT(run().err, HasSubstr("r.exr: the reference has 4 x 4 pixels, the scene has 8 x 8"));
+    EXPECT_THAT(run().err, HasSubstr("r.exr:1:1: the reference has 4 x 4 pixels, the scene has 8 x 8"));
     write_image(8, std::numeric_limits<float>::quiet_NaN());
     EXPECT_THAT(run().err, HasSubstr("the reference has values that are not finite"));
     write_image(8, 0.f);

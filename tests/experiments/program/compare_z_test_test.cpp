@@ -198,7 +198,7 @@ TEST_F(CompareZTest, VariancesAreFiniteAndNotNegative) {
         variance.rgb[1] = variance.rgb[77] = wrong;
         write("v.exr", one_layer(variance));
         EXPECT_THAT(run("x.exr r.exr --z-test --variance v.exr --spp 64"),
-                    exits(2, StartsWith("v.exr: cannot be a variance: 2 values are not finite or below 0")))
+                    exits(2, StartsWith("v.exr:1:1: cannot be a variance: 2 values are not finite or below 0")))
             << wrong;
     }
 }
