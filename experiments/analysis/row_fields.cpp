@@ -33,6 +33,8 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
     return std::nullopt;
 }
 
+/// A lower bound below this many times the measured span says no more than that an error was not reached.
+constexpr double least_bound = 2;
 /// Light that no seed has met is no matter for errors whose squares are this many times as large.
 constexpr double unmet_factor = 100;
 
@@ -50,9 +52,10 @@ Field field_of(const TableRow& row, double error2, double unit) {
                             : Field{State::never, law.floor.value, std::nullopt, Unit::root};
     }
     if (!(time->seconds > law.last_seconds) || !law_reaches(law, time->seconds)) return {State::not_reached};
-    if (!time->interval) return {State::at_least, time->seconds / unit};
-    const double least = std::max(time->interval->lo, law.last_seconds);
-    if (unmet_factor * row.unmet > error2) return {State::at_least, least / unit};
+    const double least = time->interval ? std::max(time->interval->lo, law.last_seconds) : time->seconds;
+    if (!time->interval || unmet_factor * row.unmet > error2)
+        return least > least_bound * law.last_seconds ? Field{State::at_least, least / unit}
+                                                      : Field{State::not_reached};
     return {State::extrapolated, time->seconds / unit, Interval{least / unit, time->interval->hi / unit}};
 }
 

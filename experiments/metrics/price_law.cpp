@@ -269,21 +269,28 @@ std::optional<double> ErrorLaw::seconds_to(double target) const {
     return start + std::pow(factor / (target - floor), 1 / slope);
 }
 
+ErrorLaw ErrorLaw::no_steeper_after(double seconds) const {
+    if (slope <= 1) return *this;
+    return {.floor = floor, .factor = (error2(seconds) - floor) * (seconds - start), .slope = 1, .start = start};
+}
+
 std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_floor) const {
     using Kind = Extrapolation::Kind;
     if (!floor.interval || !slope.interval) return std::nullopt;
     if (floor.interval->lo >= error2) return has_no_floor ? std::nullopt : std::optional(Extrapolation{Kind::never});
-    const auto seconds_to = [error2](const ErrorLaw& one) { return one.seconds_to(error2); };
-    const auto least = log_estimate(floorless, floorless_without, seconds_to);
+    const auto soonest = [error2](const ErrorLaw& one) { return one.seconds_to(error2); };
+    const auto seconds_to = [&](const ErrorLaw& one) { return one.no_steeper_after(last_seconds).seconds_to(error2); };
+    const auto least = log_estimate(floorless, floorless_without, soonest);
     if (!least) return std::nullopt;
     // An interval this wide says no more than its lower end.
     const auto told = [&](double seconds, const Interval& interval) {
         if (interval.hi < widest_interval * interval.lo) return Extrapolation{Kind::time, seconds, interval};
         return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
     };
-    if (has_no_floor && !stands()) return told(least->value, *least->interval);
-    const auto time = log_estimate(law, without, seconds_to);
-    const auto latest = ceiling.seconds_to(error2);
+    const bool is_floorless = has_no_floor && !stands();
+    const auto time =
+        is_floorless ? log_estimate(floorless, floorless_without, seconds_to) : log_estimate(law, without, seconds_to);
+    const auto latest = is_floorless && time ? std::optional(time->interval->hi) : seconds_to(ceiling);
     if (!time || !latest) return Extrapolation{Kind::at_least, least->interval->lo, std::nullopt};
     return told(time->value,
                 {std::min(time->interval->lo, least->interval->lo), std::max(time->interval->hi, *latest)});
@@ -292,13 +299,18 @@ std::optional<Extrapolation> PriceLaw::extrapolate(double error2, bool has_no_fl
 Estimate PriceLaw::error2_after(double seconds, bool theory_has_no_floor) const {
     const bool has_no_floor = theory_has_no_floor && !stands();
     const ErrorLaw& best = has_no_floor ? floorless : law;
-    const auto e = log_estimate(best, has_no_floor ? floorless_without : without,
-                                [seconds](const ErrorLaw& one) { return std::optional(one.error2(seconds)); });
-    if (!e || !slope.interval) return {best.error2(seconds), std::nullopt};
-    if (has_no_floor) return *e;
-    const double lowest = std::min(e->interval->lo, floorless.error2(seconds));
+    const auto& others = has_no_floor ? floorless_without : without;
+    const auto after = [&](const ErrorLaw& one) {
+        return std::optional(one.no_steeper_after(last_seconds).error2(seconds));
+    };
+    const auto e = log_estimate(best, others, after);
+    const auto least =
+        log_estimate(best, others, [&](const ErrorLaw& one) { return std::optional(one.error2(seconds)); });
+    if (!e || !least || !slope.interval) return {*after(best), std::nullopt};
+    if (has_no_floor) return {e->value, Interval{std::min(least->interval->lo, e->interval->lo), e->interval->hi}};
+    const double lowest = std::min({least->interval->lo, e->interval->lo, floorless.error2(seconds)});
     return {e->value, Interval{std::max(lowest, floor.interval ? floor.interval->lo : 0),
-                               std::max(e->interval->hi, ceiling.error2(seconds))}};
+                               std::max(e->interval->hi, *after(ceiling))}};
 }
 
 std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>& runs, double start,

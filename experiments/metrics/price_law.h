@@ -24,6 +24,9 @@ struct ErrorLaw {
     double error2(double seconds) const;
     /// The time [s] at which the squared error falls to `error2`; empty if the floor is not below it.
     std::optional<double> seconds_to(double error2) const;
+    /// The same law until `seconds`, and from then on with a slope of 1 at most: low-discrepancy points, and runs that have not met
+    /// their rare paths yet, fall faster at first, but the noise of independent samples falls as 1 / t.
+    ErrorLaw no_steeper_after(double seconds) const;
 };
 
 /// What a law says about the time to an error that was not measured.

@@ -284,7 +284,9 @@ Section bias_law_section(const Analysis& analysis) {
 
 /// The settings that short names leave out.
 Section settings_section(const Analysis& analysis) {
-    Section section{"Settings", "All settings that the experiment file gives.", {words("method"), words("label")}};
+    Section section{"Settings",
+                    "All settings that the experiment file gives.",
+                    {words("label"), words("method with its settings")}};
     for (const TableRow& row : analysis.rows)
         if (row.layer == Layer::total && analysis.label_of(row.method) != row.method)
             section.rows.push_back(

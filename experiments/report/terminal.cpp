@@ -21,9 +21,20 @@ struct Line {
     std::string scene, error, method, seconds, factor, consists_of;
 };
 
-/// The text, at most `width` characters of it.
-std::string cut(const std::string& text, std::size_t width) {
-    return text.size() <= width ? text : text.substr(0, width - 2) + "..";
+/// The place at or after `at` where a character begins.
+std::size_t character_at(const std::string& text, std::size_t at) {
+    while (at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0u) == 0x80u)
+        ++at;
+    return at;
+}
+
+/// The text, at most `width` bytes of it: its beginning and, because settings that differ stand there, `tail` bytes of its end.
+std::string cut(const std::string& text, std::size_t width, std::size_t tail = 0) {
+    if (text.size() <= width) return text;
+    std::size_t head = width - 2 - tail;
+    while (head > 0 && character_at(text, head) != head)
+        --head;
+    return text.substr(0, head) + ".." + text.substr(character_at(text, text.size() - tail));
 }
 
 /// The first items of a list, at most `width` characters of them.
@@ -81,8 +92,8 @@ std::string terminal_verdict(const Analysis& whole) {
             fmt::format("{:<{}}{:>{}}  ", has_scenes ? cut(line.scene, scene - 1) : "", scene, line.error, error);
         if (line.method.empty()) row += "none: ";
         else
-            row += fmt::format("{:<{}} {:>{}} {:>{}}  ", cut(line.method, method), method, cut(line.seconds, seconds),
-                               seconds, cut(line.factor, factor), factor);
+            row += fmt::format("{:<{}} {:>{}} {:>{}}  ", cut(line.method, method, method / 2), method,
+                               cut(line.seconds, seconds), seconds, cut(line.factor, factor), factor);
         const std::size_t left = most_columns - std::min(row.size(), most_columns);
         std::string shown = cut(row + cut_list(line.consists_of, left), most_columns);
         shown.erase(shown.find_last_not_of(' ') + 1);

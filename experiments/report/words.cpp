@@ -2,6 +2,7 @@
 
 #include "common/core/math.h"
 #include "experiments/analysis/row_fields.h"
+#include "experiments/plan/label_checks.h"
 #include "experiments/text/numbers.h"
 #include "methods/parameters.h"
 
@@ -137,9 +138,9 @@ public:
 
 private:
     const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
-    /// The page's head has no code.
+    /// The page's head has no code; names may have commas.
     static std::string after_comma(std::string text) {
-        std::erase(text, '`');
+        std::ranges::replace(text, '`', '\'');
         return text.empty() ? "" : ", " + text;
     }
 
@@ -189,7 +190,22 @@ private:
                 best.push_back(method);
         return best;
     }
-    std::string name_in(const std::string& method) const { return MethodLabel::parse(analysis_.label_of(method)).name; }
+    /// What a label is a setting of: the name that the experiment file gives, else its method with its filter.
+    std::string name_in(const std::string& method) const {
+        const std::string& label = analysis_.label_of(method);
+        const auto given = analysis_.index.given_names.find(label);
+        if (given != analysis_.index.given_names.end()) return given->second;
+        const MethodLabel parsed = MethodLabel::parse(label);
+        return parsed.name + " " + filter_of(parsed);
+    }
+    /// The methods with an image, by the mean error or time, whether or not their runs were long enough to be ranked.
+    static std::vector<std::string> by_mean(std::vector<Contender> contenders) {
+        std::ranges::stable_sort(contenders, {}, [](const Contender& c) { return std::pair(c.logs.empty(), c.mean); });
+        std::vector<std::string> methods;
+        for (const Contender& c : contenders)
+            methods.push_back(c.method);
+        return methods;
+    }
 
     std::vector<VerdictRow> with_winner(const std::vector<Contender>& ranking, std::size_t target) const {
         const Contender& best = ranking.front();
@@ -197,8 +213,8 @@ private:
         std::vector<std::string> methods;
         for (const Contender& c : ranking)
             if (c.known == Contender::Known::equal) methods.push_back(c.method);
-        for (const Contender& c : contest_.after(seconds))
-            methods.push_back(c.method);
+        for (const std::string& method : by_mean(contest_.after(seconds)))
+            methods.push_back(method);
         std::vector<std::string> shown = best_of_other_names(methods);
         if (ranking.size() > 1 && ranking[1].is_complete && ranking[1].known == Contender::Known::equal &&
             std::ranges::find(shown, ranking[1].method) == shown.end())
@@ -231,11 +247,12 @@ private:
                      .remark = fmt::format("the reference resolves {} % only",
                                            percent_text(std::sqrt(contest_.noise_floor())))}};
         const auto closest = contest_.by_final_images();
-        std::vector<std::string> methods;
-        for (const Contender& c : closest)
-            methods.push_back(c.method);
-        if (const TableRow* first = analysis_.row(scene_, methods.front(), Layer::total); !first || !first->statistics)
+        const std::string& closest_method = closest.front().method;
+        if (const TableRow* first = analysis_.row(scene_, closest_method, Layer::total); !first || !first->statistics)
             return {};
+        std::vector<std::string> methods = {closest_method};
+        for (const std::string& method : by_mean(closest))
+            methods.push_back(method);
         std::vector<VerdictRow> rows = {row_of(methods.front(), target, INFINITY)};
         const std::string doubt = doubts(closest), &left = rows[0].remark;
         rows[0].remark = "closest" + (doubt.empty() ? "" : ", " + doubt) + (left.empty() ? "" : "; " + left);

@@ -64,7 +64,8 @@ Estimate time_without_floor(const std::vector<Cell>& cells, double target) {
         const auto curve = curve_of(cell);
         const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
         const auto crossing = time_to_error({curve}, target);
-        const ErrorLaw law = price ? price->floorless : law_through_end(cell, curve.back());
+        const ErrorLaw law =
+            price ? price->floorless.no_steeper_after(price->last_seconds) : law_through_end(cell, curve.back());
         logs.push_back(std::log(crossing ? crossing->value : law.seconds_to(sqr(target)).value_or(infinity)));
     }
     return mapped(with_interval_of(logs), std::exp);

@@ -66,7 +66,7 @@ TEST(ShortNames, LeaveTheKeysOfTheTablesAlone) {
     analysis.rows[0].name = "paths";
     EXPECT_EQ(field_of(error_table(analysis), "method"), "path spp=64");
     EXPECT_EQ(field_of(error_table(analysis), "label"), "paths");
-    EXPECT_EQ(error_table(analysis).columns.back(), "label") << "new columns stand at the end";
+    EXPECT_EQ(error_table(analysis).columns.back(), "rel_mse_unmet") << "new columns stand at the end";
 }
 
 TEST(TerminalVerdict, HasTwelveLinesOfEightyColumns) {
@@ -89,6 +89,8 @@ TEST(TerminalVerdict, HasTwelveLinesOfEightyColumns) {
     }
     EXPECT_THAT(terminal_verdict(of({"path spp=4", "vcm"})),
                 AllOf(HasSubstr("path"), HasSubstr("vcm"), HasSubstr("5 %")));
+    EXPECT_THAT(terminal_verdict(of(labels)), AllOf(HasSubstr("method_with"), HasSubstr("a_setting=")))
+        << "what tells them apart is not cut off";
 }
 
 }  // namespace
