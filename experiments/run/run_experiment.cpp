@@ -69,11 +69,16 @@ int interrupted(const RunSession& run, const RunOptions& options) {
 void require_possible(const std::string& folder) {
     namespace fs = std::filesystem;
     std::error_code ignored;
+    if (fs::is_directory(folder, ignored)) return require_writable(folder);
     fs::path there = fs::absolute(folder);
     while (!fs::exists(there, ignored) && there.has_relative_path())
         there = there.parent_path();
     if (!fs::is_directory(there, ignored)) reject({}, "cannot make the folder '{}': a file is in the way", folder);
-    require_writable(there.string());
+    try {
+        require_writable(there.string());
+    } catch (const InputError& error) {
+        reject({}, "cannot make the folder '{}': {}", folder, error.what());
+    }
 }
 
 /// Checks before anything is loaded that the folder of --out can be made, and says that it will be made below one that is not

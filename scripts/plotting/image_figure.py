@@ -3,6 +3,7 @@ import glob
 import json
 import math
 import os
+import re
 import textwrap
 from dataclasses import dataclass
 
@@ -112,8 +113,9 @@ def image_sheet(images, crops, width):
     column = (width - GAP * (len(images) - 1)) / len(images)
     heights = [column * reference.shape[0] / reference.shape[1], *(column * crop[3] / crop[2] for crop in crops)]
     letters = max(int(column / LETTER), 6)
-    texts = [[line for text in (image.name, image.detail) for line in textwrap.wrap(text, letters, break_on_hyphens=False)]
-             for image in images]
+    # A space before a unit is not broken.
+    texts = [[line for text in (image.name, re.sub(r" (?=%|s$)", "\N{NO-BREAK SPACE}", image.detail))
+              for line in textwrap.wrap(text, letters, break_on_hyphens=False)] for image in images]
     height = sum(heights) + GAP * len(crops) + (max(map(len, texts)) + 0.4) * TEXT
     figure = Figure(figsize=(width, height))
     for number, image in enumerate(images):
