@@ -118,7 +118,7 @@ void LinearReader::read_rows(int begin, int end, float* values) const {
                                               spec.z + 1, *first, *last + 1, OIIO::TypeDesc::FLOAT, stored.data())
                           : file_->read_scanlines(0, 0, spec.y + from, spec.y + to, spec.z, *first, *last + 1,
                                                   OIIO::TypeDesc::FLOAT, stored.data());
-    if (!read) throw InputError(binary_file(path_), "the image is damaged: " + file_->geterror());
+    if (!read) throw InputError({path_, 0, 0}, "the image is damaged: " + file_->geterror());
     const float* pixel = stored.data() + row * static_cast<std::size_t>(begin - from);
     const auto count = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(end - begin);
     for (std::size_t i = 0; i < count; ++i, pixel += stride)

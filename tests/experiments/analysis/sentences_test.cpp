@@ -159,7 +159,7 @@ TEST(Verdicts, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
     const VerdictRow first = verdict(analysis, "box")[0];
     EXPECT_EQ(first.method, "vcm");
     EXPECT_EQ(first.remark, "first that was seen to reach it, not run longer: `path`");
-    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("not run longer: path"));
+    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("not run longer: 'path'"));
 }
 
 // Seed by seed both take the same times, in another order.
@@ -292,6 +292,24 @@ TEST(Extrapolation, ARunThatStandsAtUnmetLightHasNoTimeBelowIt) {
     row.is_unbiased = true;
     EXPECT_EQ(time_field(row, 1).state, State::not_reached) << "5 %, by the curve alone";
     EXPECT_EQ(next_halving_field(row).state, State::none);
+}
+
+// error^2 = t^-1.5 by the first points, because rare paths are still to come, or by a sequence that cannot keep this up.
+TEST(Extrapolation, NoErrorFallsFasterThanThatOfIndependentSamples) {
+    std::vector<Cell> cells;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        Cell& cell = cells.emplace_back(cell_of("path", seed));
+        for (std::uint32_t passes = 1; passes <= 16; passes *= 2)
+            cell.checkpoints.push_back(checkpoint_of(
+                passes, passes, (1 + 0.02 * static_cast<double>(seed)) * std::pow(static_cast<double>(passes), -1.5)));
+    }
+    Analysis analysis = analysis_of(cells);
+    TableRow& row = analysis.rows[0];
+    row.is_unbiased = true;
+    const Field five = time_field(row, 1);  // the square of 12.8 % after 16 s
+    ASSERT_EQ(five.state, State::extrapolated);
+    EXPECT_NEAR(five.value, 16 * (1.05 / 64) / 0.0025, 2);
+    EXPECT_LT(five.interval->lo, 1.02 * std::pow(1.05 / 0.0025, 1 / 1.5)) << "it may go on as it was";
 }
 
 // Noise still hides the floor; the images tell of it.

@@ -68,6 +68,17 @@ TEST_F(ExternalRun, ARendererThatIsTwoPercentTooDarkIsToldByEqualFooting) {
                 HasSubstr("Warning: dark differs from the reference in mean energy: `total` -"));
 }
 
+// Three equal images have no scatter, and would say 'differs' of an image with few samples.
+TEST_F(ExternalRun, SeedsThatMakeOneImageCountAsOne) {
+    std::string fixed = toy("right", "spp = 4\n");
+    fixed.replace(fixed.find("{seed}"), 6, "7");
+    write_methods(fixed, 3);
+    ASSERT_THAT(run(), exits(0));
+    EXPECT_EQ(field("right spp=4", "seeds"), "1");
+    EXPECT_EQ(field("right spp=4", "footing"), "unresolved");
+    EXPECT_THAT(read_file(results("table.md")), HasSubstr("all seeds of right spp=4 have the same image"));
+}
+
 TEST_F(ExternalRun, EveryFailureIsReportedAsWhatItIs) {
     write_methods(toy("fails") + toy("crashes") + toy("hangs", "timeout = 0.5\n") +
                   toy("nan", "image_format = 'pfm'\n") + toy("small", "image_format = 'pfm'\n") + toy("nothing") +

@@ -156,7 +156,8 @@ std::vector<CurvePoint> curve_of(Noise kind, Random& random) {
     return curve;
 }
 
-// 300 experiments, against the mean of log(time) over all runs; coverage of 93 % or more.
+// 300 experiments, against the mean of log(time) over all runs; coverage of 93 % or more. An experiment with a seed that a bright
+// pixel has raised above the error again at its end has no time.
 TEST_P(Coverage, OfTimesToAnErrorHoldsWhereFewPixelsCarryTheError) {
     constexpr int experiments = 300;
     constexpr double target = 0.5;
@@ -168,14 +169,17 @@ TEST_P(Coverage, OfTimesToAnErrorHoldsWhereFewPixelsCarryTheError) {
             std::vector<std::vector<CurvePoint>> curves;
             for (int s = 0; s < seeds; ++s)
                 curves.push_back(curve_of(GetParam(), random));
-            times.push_back(time_to_error(curves, target));
-            ASSERT_TRUE(times.back().has_value());
-            log_sum += std::log(times.back()->value);
+            const auto time = time_to_error(curves, target);
+            if (!time) continue;
+            times.push_back(time);
+            log_sum += std::log(time->value);
         }
-        const double truth = std::exp(log_sum / experiments);
+        const auto timed = static_cast<int>(times.size());
+        ASSERT_GE(timed, 0.95 * experiments);
+        const double truth = std::exp(log_sum / timed);
         const auto hits =
             std::count_if(times.begin(), times.end(), [truth](const auto& t) { return contains(t->interval, truth); });
-        EXPECT_GE(static_cast<double>(hits), least_hits(0.93, experiments)) << seeds << " seeds";
+        EXPECT_GE(static_cast<double>(hits), least_hits(0.93, timed)) << seeds << " seeds";
     }
 }
 

@@ -69,6 +69,19 @@ TEST_F(FootingRun, EqualImagesOfAnUnbiasedMethodTellNothing) {
     EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("Warning: path")));
 }
 
+// A path of direct light has two edges.
+TEST_F(FootingRun, AMethodWithShorterPathsThanTheReferenceIsNotWhole) {
+    write("e.toml",
+          "scenes = ['tiny.xml']\nseeds = 2\n[reference]\ntarget = '5%'\n"
+          "[[method]]\nname = 'path'\nspp = 4\nmax_depth = [1, 0]\n");
+    ASSERT_THAT(gibench("run e.toml"), exits(0));
+    const CsvTable rows = table();
+    for (std::size_t i = 0; i < rows.rows.size(); ++i)
+        EXPECT_EQ(field_of(rows, "components_missing", i).find("direct") != std::string::npos,
+                  rows.rows[i][1].find("max_depth=1") != std::string::npos)
+            << rows.rows[i][1];
+}
+
 TEST_F(FootingRun, AnExperimentWithoutLightHasNoTable) {
     write("dark.xml", Scene(element("sensor", "perspective", to_world(look_at("0, 2, 3", "0, 0, 0")), box_film(8)),
                             shape("sphere", radius(0.5), diffuse(0.5)))
