@@ -238,7 +238,7 @@ TEST_F(CommandLineTest, ReferencesAreNeverLostToAnotherScene) {
          {"reference other.xml --target 40% -o r.exr", "reference tiny.xml --method path --target 40% -o r.exr",
           "reference tiny.xml --resolution 4x4 --target 40% -o r.exr",
           "render tiny.xml --method 'path spp=1' -o r.exr"}) {
-        EXPECT_THAT(run(arguments), exits(2, StartsWith("r.exr: this is "))) << arguments;
+        EXPECT_THAT(run(arguments), exits(2, StartsWith("r.exr:1:1: this is "))) << arguments;
         EXPECT_EQ(read_file(folder_ / "r.exr"), before) << arguments;
     }
     EXPECT_EQ(run("reference tiny.xml --target 39% -o r.exr").code, 0) << "its own scene adds to it";
