@@ -32,7 +32,7 @@ std::string marked(const Analysis& analysis, const std::string& method) {
 /// `spp` alone stopped.
 std::string method_text(const Analysis& analysis, const TableRow& row) {
     if (row.is_external) return marked(analysis, row.method);
-    if (row.seeds < analysis.index.seeds)
+    if (row.seeds > 0 && row.seeds < analysis.index.seeds)
         return fmt::format("{} ({} of {} seeds)", row.method, row.seeds, analysis.index.seeds);
     const auto stops = analysis.stops.find({row.scene, row.method});
     if (stops == analysis.stops.end()) return row.method;

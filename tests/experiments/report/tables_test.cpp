@@ -176,13 +176,17 @@ TEST(Tables, KeepTheOrderOfTheSections) {
         << "those without rows are left out";
 }
 
-/// A row of images with these parts of the mean squared error.
+/// A row of images with these parts of the mean squared error, and a relative RMSE of 10 % with the same parts.
 TableRow error_row(const std::string& method, const Estimate& bias2, double variance) {
     TableRow row = row_of(method, Layer::total, bias2, 5);
     row.statistics->rel_mse = {0.01, {}};
     row.statistics->rmse_corrected = 0.1;
     row.statistics->rel_mse_corrected = 0.01;
     row.statistics->variance = Estimate{variance, {}};
+    const double scale = 0.01 / (bias2.value + variance);
+    row.statistics->rel_bias2 = Estimate{scale * bias2.value, {}};
+    if (const auto& ends = bias2.interval)
+        row.statistics->rel_bias2->interval = Interval{scale * ends->lo, scale * ends->hi};
     return row;
 }
 
@@ -194,7 +198,7 @@ TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
     EXPECT_EQ(kind({0.6, Interval{0.4, 0.9}}, 0.4), "bias and noise; bias is 60 % of the squared error, 40 to 90");
     EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
     EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
-    EXPECT_EQ(kind({-0.1, Interval{-0.2, -0.01}}, 1), "noise; no bias found");
+    EXPECT_EQ(kind({-0.1, Interval{-0.2, -0.01}}, 1), "bias or noise: not resolved");
     EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
               "bias or noise: not resolved, bias below 70 % of the squared error");
     EXPECT_EQ(kind({0.5, Interval{-1, 2}}, 0.5), "bias or noise: not resolved");
