@@ -292,6 +292,10 @@ TEST(Extrapolation, ARunThatStandsAtUnmetLightHasNoTimeBelowIt) {
     row.is_unbiased = true;
     EXPECT_EQ(time_field(row, 1).state, State::not_reached) << "5 %, by the curve alone";
     EXPECT_EQ(next_halving_field(row).state, State::none);
+    Analysis above = analysis_of(runs("path", 1e-1, 0.5, 16, 0.005));
+    above.rows[0].is_unbiased = true;
+    EXPECT_GE(time_field(above.rows[0], 0).interval->hi, 0.1 / (0.01 - 0.005))
+        << "10 %, whose square is twice the floor";
 }
 
 // error^2 = t^-1.5 by the first points, because rare paths are still to come, or by a sequence that cannot keep this up.
