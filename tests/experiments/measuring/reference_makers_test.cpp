@@ -91,6 +91,8 @@ TEST(MakerPlan, LeavesAComponentToTheMakerThatLacksNone) {
     const MakerPlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
     EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
     EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
+    const MakerPlan little = plan_of({.caustic_noise = 1e-4, .lacking = 0.07}, {.caustic_noise = 0.3});
+    EXPECT_EQ(weight(little, 0, Component::caustic), 0) << "its error would be smaller, but stay";
     const MakerPlan doubtful = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 40});
     EXPECT_GT(weight(doubtful, 0, Component::caustic), 0);
     EXPECT_GT(doubtful.shares[1].passes, 0u) << "whose images go on to be compared";
