@@ -35,7 +35,7 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
 
 /// A lower bound below this many times the measured span says no more than that an error was not reached.
 constexpr double least_bound = 2;
-/// Light that no seed has met is no matter for errors whose squares are this many times as large.
+/// Light that no seed has met is no matter for errors whose squares are this many times as large: it is half a percent of them.
 constexpr double unmet_factor = 100;
 
 /// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit` divides it

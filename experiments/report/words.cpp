@@ -190,7 +190,7 @@ private:
                 best.push_back(method);
         return best;
     }
-    /// What a label is a setting of: the name that the experiment file gives, else its method with its filter.
+    /// The name that the experiment file gives to a label and its other settings, else the label's method with its filter.
     std::string name_in(const std::string& method) const {
         const std::string& label = analysis_.label_of(method);
         const auto given = analysis_.index.given_names.find(label);

@@ -201,7 +201,7 @@ TEST(CompareRuns, AMethodWithOtherSettingsIsComparedWithItsEarlierSelf) {
     EXPECT_EQ(change_table(comparison).rows.front().back(), comparison.changes.front().method_after);
     EXPECT_THAT(change_text(comparison), HasSubstr("box, map\n"));
 
-    // Of two settings on each side nobody knows which has become which.
+    // Two settings on each side: nobody knows which has become which.
     rename(before, "vcm", "path k=1", "path k=1");
     rename(after, "radiosity", "path k=2", "path k=2");
     EXPECT_THAT(compare_runs(before, after).remarks, Contains("box, path k=1: only in the old run"));
