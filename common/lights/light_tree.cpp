@@ -94,9 +94,10 @@ EmissionCone united(const EmissionCone& first, const EmissionCone& second) {
     const double spread = 0.5 * (a.spread + between + b.spread);
     if (spread >= std::numbers::pi) return {a.axis, std::numbers::pi, fall};
     // The axis turns until the cone touches the far side of both.
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(a.axis, b.axis);
-    const auto part = Eigen::Quaterniond::Identity().slerp((spread - a.spread) / between, turn);
-    return {(part * a.axis).normalized(), spread, fall};
+    const double turn = spread - a.spread;
+    const Vec3d across = b.axis - a.axis.dot(b.axis) * a.axis;
+    const Vec3d side = across.squaredNorm() > 1e-20 ? across.normalized() : a.axis.unitOrthogonal();
+    return {(std::cos(turn) * a.axis + std::sin(turn) * side).normalized(), spread, fall};
 }
 
 double LightBounds::importance(const LitPoint& at) const {
