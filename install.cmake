@@ -16,6 +16,11 @@ install(CODE "execute_process(COMMAND $<TARGET_FILE:gibench> completion bash OUT
                               COMMAND_ERROR_IS_FATAL ANY)")
 install(FILES ${PROJECT_BINARY_DIR}/completion.bash DESTINATION share/bash-completion/completions RENAME gibench)
 
+install(CODE "execute_process(COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:gibench> -DVERSION=${PROJECT_VERSION}
+                              -DOUTPUT=${PROJECT_BINARY_DIR}/man1 -P ${CMAKE_CURRENT_SOURCE_DIR}/experiments/system/manual_pages.cmake
+                              COMMAND_ERROR_IS_FATAL ANY)")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/man1 DESTINATION share/man)
+
 # The licence, and those of the libraries whose code is in the program, as Debian has them.
 file(READ LICENSE copyright)
 set(licences libcli11-dev libeigen3-dev libboost-dev libkainjow-mustache-dev libtomlplusplus-dev nlohmann-json3-dev libjs-chart.js)

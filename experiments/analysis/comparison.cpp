@@ -37,7 +37,7 @@ struct BiasPoint {
 
 /// Fits a line to log bias^2 over log x, in which each point has the weight 1 / deviation^2. The interval widens if
 /// the points scatter more than their deviations predict.
-Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
+PowerFit fitted_law(const std::vector<BiasPoint>& points) {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (const auto& p : points) {
         const double weight = 1 / (p.deviation * p.deviation), x = std::log(p.x), y = std::log(p.bias2);
@@ -56,7 +56,7 @@ Estimate fitted_exponent(const std::vector<BiasPoint>& points) {
     }
     const double scatter = std::max(1.0, chi2 / static_cast<double>(points.size() - 2));
     const double half = 1.96 * std::sqrt(w / determinant * scatter);
-    return {-slope, Interval{-slope - half, -slope + half}};
+    return {{-slope, Interval{-slope - half, -slope + half}}, std::exp(offset)};
 }
 
 /// Groups of rows whose labels differ only in the value of one parameter: (label without the parameter, its name) ->
@@ -77,6 +77,14 @@ std::map<std::pair<std::string, std::string>, std::map<double, const TableRow*>>
         }
     }
     return found;
+}
+
+/// A row's name without its setting of this parameter.
+std::string name_without(const std::string& parameter, std::string name) {
+    const std::size_t at = name.find(" " + parameter + "=");
+    if (at == std::string::npos) return name;
+    const std::size_t begin = name[at - 1] == ',' ? at - 1 : at;  // names from the experiment file have commas
+    return name.erase(begin, std::min(name.find_first_of(", ", at + 1), name.size()) - begin);
 }
 
 /// The exponent p of bias^2 = c x^-p of a density estimate over a disc of radius r. Where light is smooth, the bias of the
@@ -332,6 +340,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                 BiasLaw law{.scene = scene,
                             .layer = layer,
                             .method = key.first,
+                            .name = name_without(key.second, rows.begin()->second->method),
                             .parameter = key.second,
                             .rows = {rows.begin(), rows.end()},
                             .theory = theoretical_exponent(MethodLabel::parse(key.first), key.second, layer)};
@@ -345,7 +354,7 @@ std::vector<BiasLaw> bias_laws(const Analysis& analysis) {
                     points.push_back({x, bias2.value, std::max(width, 1e-6) / (2 * 1.96)});
                 }
                 law.resolved_count = points.size();
-                if (points.size() >= 3) law.exponent = fitted_exponent(points);
+                if (points.size() >= 3) law.fit = fitted_law(points);
                 laws.push_back(std::move(law));
             }
     return laws;

@@ -58,16 +58,23 @@ struct Crossover {
 /// equal errors take turns by chance, so that a change counts only if the new method becomes closer by 5 %.
 std::vector<Crossover> crossovers(const Analysis& analysis);
 
+/// The law y = factor x^-exponent.
+struct PowerFit {
+    Estimate exponent;
+    double factor;
+};
+
 /// How the parts of the mean squared error change with a parameter x, with all others equal: the rows by x, and the
-/// fitted law bias^2 = c x^-exponent.
+/// fitted law of bias^2 [radiance^2].
 struct BiasLaw {
     std::string scene;
     Layer layer;
     std::string method;                                         ///< the label without the parameter
+    std::string name;                                           ///< the name of its rows without the parameter
     std::string parameter;                                      ///< name of the parameter
     std::vector<std::pair<double, const TableRow*>> rows = {};  ///< by x; of the analysis, which has to outlive them
     /// By weighted least squares in the logarithms. Empty if bias^2 is resolved at fewer than three values.
-    std::optional<Estimate> exponent = {};
+    std::optional<PowerFit> fit = {};
     /// The number of values at which bias^2 is above 0 with its whole interval; only these are fitted.
     std::size_t resolved_count = 0;
     /// The exponent that theory gives for light that is smooth; empty if it gives none.

@@ -1,5 +1,6 @@
 #include "experiments/analysis/warnings.h"
 
+#include "experiments/analysis/method_names.h"
 #include "experiments/analysis/table_row.h"
 
 #include <fmt/format.h>
@@ -128,11 +129,13 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
                                     const std::string& run_command) {
     std::vector<std::string> methods;
     std::string signs;
+    auto names = short_names(analysis);
     for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
         const std::string sign = busy_sign(analysis, method, cells);
         if (sign.empty()) continue;
         methods.push_back(method);
-        if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", method, sign);
+        const std::string& name = names.try_emplace(method, method).first->second;
+        if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", name, sign);
     }
     if (methods.empty()) return std::nullopt;
     if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);

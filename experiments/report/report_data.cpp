@@ -112,18 +112,19 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
     for (const BiasLaw& law : laws) {
         if (law.scene != scene) continue;
         auto sweep = std::ranges::find_if(
-            sweeps, [&](const json& s) { return s["method"] == law.method && s["parameter"] == law.parameter; });
+            sweeps, [&](const json& s) { return s["method"] == law.name && s["parameter"] == law.parameter; });
         if (sweep == sweeps.end())
             sweep = sweeps.insert(
                 sweeps.end(),
-                json{{"method", law.method}, {"parameter", law.parameter}, {"components", json::object()}});
+                json{{"method", law.name}, {"parameter", law.parameter}, {"components", json::object()}});
         json points = json::array(), exponent = json::array();
         for (const auto& [x, row] : law.rows)
             points.push_back(point_of(x, *row));
-        if (law.exponent) append(exponent, *law.exponent);
+        if (law.fit) append(exponent, law.fit->exponent);
         (*sweep)["components"][std::string(name_of(law.layer))] = {
             {"points", std::move(points)},
-            {"exponent", law.exponent ? exponent : json(nullptr)},
+            {"exponent", law.fit ? exponent : json(nullptr)},
+            {"factor", law.fit ? json(law.fit->factor) : json(nullptr)},
             {"resolved", law.resolved_count},
             {"theory", law.theory ? json(*law.theory) : json(nullptr)}};
     }

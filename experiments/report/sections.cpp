@@ -274,10 +274,10 @@ Section bias_law_section(const Analysis& analysis) {
         if (law.resolved_count > 0 || law.layer == Layer::total)
             section.rows.push_back({.scene = law.scene,
                                     .entries = {{std::string(name_of(law.layer))},
-                                                {law.method},
+                                                {law.name},
                                                 {law.parameter},
                                                 {fmt::format("{} of {}", law.resolved_count, law.rows.size())},
-                                                {law.exponent ? measured(*law.exponent) : Field{State::not_resolved}},
+                                                {law.fit ? measured(law.fit->exponent) : Field{State::not_resolved}},
                                                 {law.theory ? measured(*law.theory) : Field{}}}});
     return section;
 }

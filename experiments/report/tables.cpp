@@ -378,7 +378,8 @@ const std::vector<DeclaredTable>& csv_files() {
           {"exponent", "", "p of the fitted law bias^2 = c x^-p"},
           {"exponent_lo", "", "lower end of the 95 % interval of `exponent`"},
           {"exponent_hi", "", "upper end of the 95 % interval of `exponent`"},
-          {"theory", "", "p by theory, where light is smooth"}}}};
+          {"theory", "", "p by theory, where light is smooth"},
+          {"factor", "radiance^2", "c of the fitted law"}}}};
     return files;
 }
 
@@ -441,12 +442,12 @@ CsvTable bias_law_table(const Analysis& analysis) {
     CsvTable table = table_of("bias_laws.csv");
     for (const BiasLaw& law : bias_laws(analysis)) {
         const auto end = [&](double Interval::*member) {
-            return law.exponent && law.exponent->interval ? csv_number((*law.exponent->interval).*member) : "";
+            return law.fit && law.fit->exponent.interval ? csv_number((*law.fit->exponent.interval).*member) : "";
         };
         table.add({law.scene, law.method, law.parameter, std::string(name_of(law.layer)),
                    std::to_string(law.rows.size()), std::to_string(law.resolved_count),
-                   law.exponent ? csv_number(law.exponent->value) : "", end(&Interval::lo), end(&Interval::hi),
-                   law.theory ? csv_number(*law.theory) : ""});
+                   law.fit ? csv_number(law.fit->exponent.value) : "", end(&Interval::lo), end(&Interval::hi),
+                   law.theory ? csv_number(*law.theory) : "", law.fit ? csv_number(law.fit->factor) : ""});
     }
     return table;
 }

@@ -24,6 +24,19 @@ function sweepTip(item) {
   return `${item.dataset.label} ${number(y, 3)}${interval} at ${number(x, 3)}`;
 }
 
+/** The line through the fitted points, and one of theory's slope through its middle. */
+function lawLines({points, exponent, factor, theory}) {
+  if (!exponent) return [];
+  const fitted = points.filter((p) => p[2] > 0).map((p) => p[0]);
+  const ends = [Math.min(...fitted), Math.max(...fitted)];
+  const middle = Math.sqrt(ends[0] * ends[1]);
+  const at = (x, slope) => factor * middle ** -exponent[0] * (x / middle) ** -slope;
+  const line = (name, slope, extra) =>
+    pointSet(name, color("--bias"), ends.map((x) => ({x, y: at(x, slope)})), {pointRadius: 0, pointHitRadius: 0, ...extra});
+  return [line("fitted bias²", exponent[0], {borderWidth: 1, borderDash: [2, 3]}),
+    ...(theory === null ? [] : [line("bias² by theory", theory, {borderWidth: 1, borderDash: [8, 3, 2, 3]})])];
+}
+
 /** What the points say of the exponent, and what theory says. */
 function lawWords({points, exponent, resolved, theory}, parameter) {
   const said = theory === null ? "" : ` Theory, where light is smooth: ${number(theory, 3)}.`;
@@ -53,13 +66,14 @@ function setUpSweep(place, sweep) {
   });
   place.append(box);
   const panel = new ChartPanel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
-    "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Triangles: bias² is below this.", () => ({
+    "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Dotted the fitted law of bias², with dots and dashes one of theory's slope through its middle. Triangles: bias² is below this.", () => ({
       sets: [
         ...partSets(sweep.components[shown].points, "bias2"),
         ...partSets(sweep.components[shown].points, "variance"),
         pointSet("mean squared error", color("--muted"),
           sweep.components[shown].points.filter((p) => p[7] > 0).map((p) => ({x: p[0], y: p[7]})),
           dashed),
+        ...lawLines(sweep.components[shown]),
       ],
       xAxis: () => axis("logarithmic", sweep.parameter),
       yAxis: () => axis("logarithmic", "radiance²"),

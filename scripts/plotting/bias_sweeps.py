@@ -1,13 +1,16 @@
 """Finds the rows of table.csv that differ in one parameter alone."""
 from dataclasses import dataclass, field
 
+from plotting.method_names import split_name
 from plotting.result_tables import is_number, select, unique
 
 
 @dataclass
 class Sweep:
-    """`points`: (x, row of table.csv) by x; `law`: the row of bias_laws.csv, or None."""
+    """`points`: (x, row of table.csv) by x; `name`: of the method without the parameter; `law`: the row of bias_laws.csv, or
+    None."""
     method: str
+    name: str
     parameter: str
     points: list = field(default_factory=list)
     law: dict = None
@@ -38,7 +41,10 @@ def sweeps_of(rows, laws):
         if len(points) < 3 or all(row["bias_state"] == "unbiased" for row in points.values()):
             continue
         law = select(laws, method=method, parameter=parameter)
-        sweeps.append(Sweep(method, parameter, sorted(points.items(), key=lambda point: point[0]), law[0] if law else None))
+        row = next(iter(points.values()))
+        begin, shown = split_name(row) if row["label"] else (method, [])
+        name = begin + "".join(text for text in shown if not text.lstrip(", ").startswith(parameter + "="))
+        sweeps.append(Sweep(method, name, parameter, sorted(points.items(), key=lambda point: point[0]), law[0] if law else None))
     return sweeps
 
 

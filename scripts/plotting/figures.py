@@ -333,6 +333,20 @@ def draw_part(axes, points, part, look):
     return [value for _, row in shown for value in (row[part], row[part + "_lo"], row[part + "_hi"]) if value and value > 0]
 
 
+def draw_law(axes, sweep, color):
+    """The fitted law of bias^2 over the points that it fits, dotted, and theory's slope through its middle."""
+    law = sweep.law
+    if not law or law["exponent"] is None or law.get("factor") is None:
+        return
+    fitted = [x for x, row in sweep.points if row["bias2_lo"] is not None and row["bias2_lo"] > 0]
+    ends = [min(fitted), max(fitted)]
+    middle = math.sqrt(ends[0] * ends[1])
+    height = law["factor"] * middle ** -law["exponent"]
+    for slope, dashes, gid in ((law["exponent"], (0, (1, 1.5)), "fit"), (law["theory"], (0, (6, 2, 1, 2)), "theory")):
+        if slope is not None:
+            axes.plot(ends, [height * (x / middle) ** -slope for x in ends], color=color, linewidth=0.7, linestyle=dashes, gid=gid)
+
+
 def sweep_figure(sweep, component, width):
     """bias^2, variance and their sum, the mean squared error, against the parameter of a sweep, on logarithmic axes."""
     looks = {"bias2": {"color": COLORS[2], "marker": "s"}, "variance": {"color": COLORS[1], "marker": "o"}}
@@ -342,7 +356,11 @@ def sweep_figure(sweep, component, width):
     if any(row["bias2_lo"] is not None and row["bias2_lo"] <= 0 for _, row in sweep.points):
         handles.append((Line2D([], [], linestyle="none", marker="v", fillstyle="none", color=COLORS[2], markersize=4),
                         "bias² below this"))
-    heading = textwrap.fill(f"{sweep.method}, {component}", int(width / CHARACTER))
+    if sweep.law and sweep.law["exponent"] is not None:
+        handles.append((Line2D([], [], color=COLORS[2], linewidth=0.7, linestyle=(0, (1, 1.5))), "fitted bias²"))
+        if sweep.law["theory"] is not None:
+            handles.append((Line2D([], [], color=COLORS[2], linewidth=0.7, linestyle=(0, (6, 2, 1, 2))), "theory's slope"))
+    heading = textwrap.fill(f"{sweep.name}, {component}", int(width / CHARACTER))
     law = law_words(sweep)
     left = LEFT + 0.12  # for numbers such as 3 10^-4
     sheet = Sheet(width, [0.72 * (width - left)], handles, "\n".join(part for part in (heading, law) if part), left=left)
@@ -354,6 +372,7 @@ def sweep_figure(sweep, component, width):
     errors = [(x, max(row["bias2"], 0) + row["variance"]) for x, row in sweep.points]
     axes.plot([x for x, _ in errors], [y for _, y in errors], color="black", linewidth=0.8, linestyle="--", gid="error",
               zorder=3)
+    draw_law(axes, sweep, looks["bias2"]["color"])
     axes.set_xlim(*log_limits([x for x, _ in sweep.points]))
     axes.set_ylim(*log_limits(values + [y for _, y in errors if y > 0]))
     log_ticks(axes.xaxis, *axes.get_xlim())

@@ -14,7 +14,7 @@ TABLE = ("scene", "method", "label", "component", "seeds", "passes", "external",
 SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
 STAGES = ("scene", "method", "seed", "stage", "seconds")
 BIAS_LAWS = ("scene", "method", "parameter", "component", "values", "resolved", "exponent", "exponent_lo", "exponent_hi",
-             "theory")
+             "theory", "factor")
 TEXT = {"scene", "method", "label", "component", "passes", "external", "effects_missing", "components_missing", "kind", "stage",
         "seed", "bias_state", "parameter",
         *(f"seconds_to_{target}pct_state" for target in TARGETS)}

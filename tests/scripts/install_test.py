@@ -66,6 +66,11 @@ class InstallTest(unittest.TestCase):
         with open(self.installed("share/bash-completion/completions/gibench"), encoding="utf-8") as file:
             self.assertIn("complete -o bashdefault -o default -F _gibench gibench", file.read())
 
+    def test_every_command_has_a_manual_page(self):
+        for page, text in (("gibench", "compare\\-runs"), ("gibench-run", "\\-\\-seeds"), ("gibench-compare-runs", "worse")):
+            with open(self.installed(f"share/man/man1/{page}.1"), encoding="utf-8") as file:
+                self.assertIn(text, file.read())
+
     def test_a_build_for_this_processor_makes_no_package(self):
         with open(os.path.join(BUILD, "CMakeCache.txt"), encoding="utf-8") as file:
             if "GIB_NATIVE:BOOL=ON" not in file.read():

@@ -347,13 +347,14 @@ class PartsTest(unittest.TestCase):
 
     def test_sweeps_are_of_rows_that_differ_in_one_number(self):
         def row(method, bias2=1e-3, state="measured"):
-            return {"method": method, "bias2": bias2, "bias2_lo": bias2 / 2, "variance": 1e-3, "bias_state": state}
+            name = method.replace("m photons", "photon map, photons").replace(" k=50", "")
+            return {"method": method, "label": name, "bias2": bias2, "bias2_lo": bias2 / 2, "variance": 1e-3, "bias_state": state}
         rows = [row("m photons=1e5 k=50"), row("m photons=1e4 k=50"), row("m photons=1e6 k=50"), row("m photons=1e4 k=9"),
                 row("path spp=1"), row("path spp=2"), row("path spp=3"),
                 *(row(f"u x={x}", state="unbiased") for x in (1, 2, 3))]
         law = {"method": "m k=50", "parameter": "photons", "component": "total"}
         sweep, = bias_sweeps.sweeps_of(rows, [law])
-        self.assertEqual((sweep.method, sweep.parameter, sweep.law), ("m k=50", "photons", law))
+        self.assertEqual((sweep.method, sweep.name, sweep.parameter, sweep.law), ("m k=50", "photon map", "photons", law))
         self.assertEqual([x for x, _ in sweep.points], [1e4, 1e5, 1e6])
 
     def test_the_component_of_largest_bias_is_a_resolved_one(self):
@@ -388,7 +389,7 @@ SWEEP = TABLE_HEAD + "".join(table_line(
     bias2_hi=2 * scale / photons, variance=1e-4, variance_lo=5e-5, variance_hi=2e-4, bias_state="measured")
     for component, scale, resolved in (("total", 1, False), ("caustic", 2, True)) for photons in (1000, 10000, 100000))
 LAWS = (",".join(result_tables.BIAS_LAWS) + "\n"
-        "box,m k=5,photons,caustic,3,3,1.0,0.9,1.1,2\nbox,m k=5,photons,total,3,0,,,,2\n")
+        "box,m k=5,photons,caustic,3,3,1.0,0.9,1.1,2,2\nbox,m k=5,photons,total,3,0,,,,2,\n")
 
 
 class SweepTest(unittest.TestCase):
@@ -413,6 +414,9 @@ class SweepTest(unittest.TestCase):
             self.assertEqual(len(found), 3)
             for value, wanted in zip(found, values):
                 self.assertAlmostEqual(math.log(value), math.log(wanted), delta=0.01)
+        fitted = [math.log(y(position)) for _, position in figure.corners("fit")]
+        for found, wanted in zip(fitted, (2e-3, 2e-5), strict=True):
+            self.assertAlmostEqual(found, math.log(wanted), delta=0.01)
         text = " ".join(figure.text())
         self.assertIn("caustic", text)  # its bias is resolved, and that of the total is not
         self.assertIn("p = 1.00 (0.90 to 1.10)", text)

@@ -99,12 +99,29 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     EXPECT_EQ(laws[0].parameter, "photons");
     EXPECT_EQ(laws[0].resolved_count, 3u);
     EXPECT_EQ(laws[0].rows.size(), 4u);
-    EXPECT_NEAR(laws[0].exponent->value, 1.5, 1e-9);
+    EXPECT_NEAR(laws[0].fit->exponent.value, 1.5, 1e-9);
     // Three points are log 10 apart, each with the deviation log 1.2 / 1.96:
     // standard error deviation / (log 10 sqrt 2).
     const double half = std::log(1.2) / (std::log(10.0) * std::sqrt(2.0));
-    EXPECT_NEAR(laws[0].exponent->interval->hi, 1.5 + half, 1e-9);
-    EXPECT_NEAR(laws[0].exponent->interval->lo, 1.5 - half, 1e-9);
+    EXPECT_NEAR(laws[0].fit->exponent.interval->hi, 1.5 + half, 1e-9);
+    EXPECT_NEAR(laws[0].fit->exponent.interval->lo, 1.5 - half, 1e-9);
+    EXPECT_NEAR(laws[0].fit->factor, 3, 1e-6);
+}
+
+TEST(BiasLaws, HaveTheNamesOfTheirRows) {
+    const auto name_of_law = [](const std::string& before, const std::string& after) {
+        Analysis analysis;
+        for (const char* x : {"1e4", "1e5", "1e6"}) {
+            const std::string name = before + "photons=" + x + after;
+            analysis.rows.push_back(row_of(name, Layer::total, Estimate{1, {}}, 5));
+            analysis.labels[name] = std::string("photon_mapper photons=") + x + " spp=8";
+        }
+        return bias_laws(analysis).at(0).name;
+    };
+    EXPECT_EQ(name_of_law("photon_mapper ", ""), "photon_mapper");
+    EXPECT_EQ(name_of_law("photon_mapper ", " spp=8"), "photon_mapper spp=8");
+    EXPECT_EQ(name_of_law("photon map, ", ""), "photon map");
+    EXPECT_EQ(name_of_law("photon map, ", ", spp=8"), "photon map, spp=8");
 }
 
 TEST(BiasLaws, SayNothingOfTwoPoints) {
