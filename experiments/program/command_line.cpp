@@ -383,6 +383,7 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
     perform_with(options, command, action, [](Options o) {
         for (const auto& text : o.variations)
             o.file.variations.push_back({text, {}});
+        check_out(o.run);
         ExperimentScene scene;
         scene.path = scene_file(o.scene);
         scene.name = std::filesystem::path(scene.path).stem().string();

@@ -81,19 +81,6 @@ void require_possible(const std::string& folder) {
     }
 }
 
-/// Checks before anything is loaded that the folder of --out can be made, and says that it will be made below one that is not
-/// there, which may be mistyped.
-void check_out(const RunOptions& options) {
-    namespace fs = std::filesystem;
-    if (!options.out) return;
-    require_possible(*options.out);
-    if (options.quiet) return;
-    fs::path folder = fs::absolute(*options.out).lexically_normal();
-    if (!folder.has_filename()) folder = folder.parent_path();
-    if (const fs::path parent = folder.parent_path(); !fs::exists(parent))
-        std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", parent.string());
-}
-
 int run_share(const RunOptions& options, std::ostream& out) {
     RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::shared);
     run.list.select(*options.share);
@@ -242,6 +229,17 @@ bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& or
 }
 
 }  // namespace
+
+void check_out(const RunOptions& options) {
+    namespace fs = std::filesystem;
+    if (!options.out) return;
+    require_possible(*options.out);
+    if (options.quiet) return;
+    fs::path folder = fs::absolute(*options.out).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();
+    if (const fs::path parent = folder.parent_path(); !fs::exists(parent))
+        std::cerr << fmt::format("note: there is no folder '{}'; it is made\n", parent.string());
+}
 
 int run_experiment(const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;

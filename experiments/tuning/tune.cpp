@@ -307,6 +307,7 @@ int run_or_tune(const RunOptions& options, std::ostream& out) {
     if (options.fresh)
         reject({}, "--fresh is for experiments without [tune]; delete the folder of the results instead");
     if (options.share) reject({}, "--share is for experiments without [tune], whose runs follow from each other");
+    check_out(options);
     static_cast<void>(asked_spaces(*file));
     const std::string folder = options.out ? *options.out : result_folder_of(file->head.name);
     int code = 0;

@@ -103,6 +103,7 @@ TEST_F(FullDiskTest, UnwritableFoldersAreRefusedBeforeAnyWork) {
     refused("mkdir r; echo x >r/cells\n" + go, "cannot make the folder 'r/cells'");
     refused("mkdir results; echo x >results/references\n" + go, "cannot make the folder 'results/references'");
     refused("exec \"$gibench\" run e.toml --out /proc/r", "cannot make the folder '/proc/r'");
+    refused("exec \"$gibench\" tune no-such-scene --out /proc/r", "cannot make the folder '/proc/r'");
     refused("exec \"$gibench\" render tiny.xml --method path -o /proc/x.exr", "cannot write in the folder '/proc'");
     refused("exec \"$gibench\" reference tiny.xml -o /proc/x.exr", "cannot write in the folder '/proc'");
     if (may_mount())
