@@ -126,7 +126,18 @@ Field time_field(const TableRow& row, std::size_t target) {
     if (row.times[target]) return measured(*row.times[target]);
     if (row.reached[target] > 0)
         return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};
-    return field_of(row, sqr(target_errors[target]), 1);
+    Field field = field_of(row, sqr(target_errors[target]), 1);
+    if (field.state != State::not_reached && field.state != State::at_least) return field;
+    // A smaller error is not reached earlier than a larger one.
+    for (std::size_t t = 0; t < target_errors.size(); ++t) {
+        if (!(target_errors[t] > target_errors[target]) || row.times[t] || row.reached[t] > 0) continue;
+        const Field larger = field_of(row, sqr(target_errors[t]), 1);
+        const double bound = larger.interval ? larger.interval->lo : larger.value;
+        if (larger.state != State::at_least && larger.state != State::extrapolated) continue;
+        if (bound > std::max(least_bound * row.law->last_seconds, field.state == State::at_least ? field.value : 0))
+            field = {State::at_least, bound};
+    }
+    return field;
 }
 
 Field next_halving_field(const TableRow& row) {
@@ -134,6 +145,8 @@ Field next_halving_field(const TableRow& row) {
     const PriceLaw& law = *row.law;
     const double error2 = (row.is_unbiased ? law.floorless : law.law).error2(law.last_seconds);
     const Field factor = field_of(row, error2 / 4, law.last_seconds);
+    // An interval that begins at the end of the runs has no lower end.
+    if (factor.interval && !(factor.interval->lo > 1)) return {State::cannot_be_told};
     return factor.state == State::not_reached ? Field{} : factor;
 }
 
@@ -141,7 +154,11 @@ Field floor_field(const TableRow& row) {
     if (!row.law) return {};
     if (row.is_unbiased) return {State::unbiased};
     if (!row.law->floor.interval) return {State::cannot_be_told};
-    return positive(row.law->floor, Unit::root);
+    Estimate floor = row.law->floor;
+    // The runs have been below the fitted floor's bound where they scatter.
+    if (row.statistics && row.statistics->rel_mse_corrected > floor.value)
+        floor.interval->hi = std::min(floor.interval->hi, row.statistics->rel_mse_corrected);
+    return positive(floor, Unit::root);
 }
 
 Field floor_bias_field(const TableRow& row) {
@@ -173,6 +190,11 @@ std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
 Field relative_error_field(const TableRow& row) {
     if (!row.statistics) return {State::not_judged};
     return resolved(*corrected_rel_mse(row), row.noise_floor);
+}
+
+Field corrected_mse_field(const TableRow& row) {
+    if (!row.statistics || !std::isfinite(row.statistics->rmse_corrected)) return {};
+    return measured(sqr(row.statistics->rmse_corrected));
 }
 
 Field bias2_field(const TableRow& row) {

@@ -49,6 +49,8 @@ double least_resolved(const ReferenceLayer& layer, const Denominators& denominat
 std::optional<Estimate> corrected_rel_mse(const TableRow& row);
 /// The same, not resolved where it is not above the noise floor.
 Field relative_error_field(const TableRow& row);
+/// The mean squared error less the reference's own variance [radiance^2]; empty where that is larger.
+Field corrected_mse_field(const TableRow& row);
 /// The squared bias [radiance^2]: 0 by theory, or below the upper end of its interval where this reaches 0.
 Field bias2_field(const TableRow& row);
 /// The share of the squared relative error that is light which no seed has met; 0 if it is below a tenth.

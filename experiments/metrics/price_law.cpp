@@ -28,6 +28,13 @@ constexpr double widest_interval = 30;  // ratio of the ends of an interval that
 
 using Curve = std::vector<ErrorPoint>;
 
+double largest_deviation(const ErrorLaw& law, const Curve& points) {
+    double largest = 0;
+    for (const ErrorPoint& p : points)
+        largest = std::max(largest, std::abs(law.error2(p.seconds) / p.error2 - 1));
+    return largest;
+}
+
 /// The mean of the runs without the run `left_out`. It ends before the first point that is not above the noise floor.
 Curve mean_curve(const std::vector<Curve>& runs, std::size_t left_out, double noise_floor) {
     std::size_t count = runs.front().size();
@@ -228,6 +235,10 @@ void add_intervals(PriceLaw& price, const Curves& curves) {
     price.ceiling =
         law_with_floor(curves.all, curves.start, std::max(curves.highest_floor(ceiling_tail), price.floor.value));
     if (!at_end) price.slope = jackknife(price.law.slope, slopes);
+    std::vector<double> floorless_slopes;
+    for (const ErrorLaw& law : price.floorless_without)
+        floorless_slopes.push_back(law.slope);
+    price.floorless_slope = jackknife(price.floorless.slope, floorless_slopes);
 }
 
 /// The logarithm of the time [s] from which on a curve is at or below the target; NaN if it ends above.
@@ -327,8 +338,9 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
     price.slope = {fit->law.slope, std::nullopt};
     price.first_seconds = curves.all.front().seconds;
     price.last_seconds = curves.all.back().seconds;
-    for (const auto& p : curves.all)
-        price.misfit = std::max(price.misfit, std::abs(fit->law.error2(p.seconds) / p.error2 - 1));
+    price.floorless_slope = {price.floorless.slope, std::nullopt};
+    price.misfit = largest_deviation(price.law, curves.all);
+    price.floorless_misfit = largest_deviation(price.floorless, curves.all);
     for (std::size_t r = 0; runs.size() > 2 && r < runs.size(); ++r)
         curves.without.push_back(mean_curve(runs, r, noise_floor));
     add_intervals(price, curves);

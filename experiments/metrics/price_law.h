@@ -49,8 +49,9 @@ struct PriceLaw {
     /// The laws of the runs without one in turn; empty below 3 runs, or if one of them has none.
     std::vector<ErrorLaw> without, floorless_without;
     Estimate floor, slope;
+    Estimate floorless_slope;
     /// The largest relative deviation of the law from a measured squared error; near 0 where the law holds.
-    double misfit = 0;
+    double misfit = 0, floorless_misfit = 0;
     double first_seconds = 0, last_seconds = 0;  ///< the measured span; the law extrapolates beyond it
 
     /// Whether the runs stand at a floor: its whole interval is above 0.

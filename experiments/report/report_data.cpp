@@ -3,6 +3,7 @@
 #include "common/core/error.h"
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/curves.h"
+#include "experiments/analysis/row_fields.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/text/html.h"
@@ -102,7 +103,8 @@ json point_of(double x, const TableRow& row) {
     json point = {number_to_json(x)};
     append(point, row.statistics && row.statistics->bias2 ? *row.statistics->bias2 : no_estimate);
     append(point, row.statistics && row.statistics->variance ? *row.statistics->variance : no_estimate);
-    point.push_back(row.statistics ? number_to_json(row.statistics->mse.value) : json(nullptr));
+    const Field mse = corrected_mse_field(row);
+    point.push_back(mse.is_measured() ? number_to_json(mse.value) : json(nullptr));
     return point;
 }
 
@@ -115,8 +117,7 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
             sweeps, [&](const json& s) { return s["method"] == law.name && s["parameter"] == law.parameter; });
         if (sweep == sweeps.end())
             sweep = sweeps.insert(
-                sweeps.end(),
-                json{{"method", law.name}, {"parameter", law.parameter}, {"components", json::object()}});
+                sweeps.end(), json{{"method", law.name}, {"parameter", law.parameter}, {"components", json::object()}});
         json points = json::array(), exponent = json::array();
         for (const auto& [x, row] : law.rows)
             points.push_back(point_of(x, *row));

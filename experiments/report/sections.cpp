@@ -131,10 +131,9 @@ Section footing_section(const Analysis& analysis) {
         if (all == 0) continue;
         section.rows.push_back(
             {.scene = scene,
-             .sentence =
-                 fmt::format("of {} components and totals that are not black {} agree within {:.0f} %, {} differ, "
-                             "{} cannot be told (their intervals: `energy_excess` of `table.csv`).",
-                             all, agree, 100 * footing_tolerance, differ, unresolved)});
+             .sentence = fmt::format("of {} components and totals that are not black, {} within {:.0f} %, {} beyond, "
+                                     "{} not to be told (their intervals: `energy_excess` of `table.csv`).",
+                                     all, agree, 100 * footing_tolerance, differ, unresolved)});
         for (const Warning& w : warnings)
             if (w.scene == scene)
                 section.rows.push_back({.scene = scene, .sentence = sentence_of(w), .is_warning = true});
@@ -152,7 +151,9 @@ Section verdict_section(const Analysis& analysis) {
     Section section{
         "Which method is cheapest, and why",
         "Seconds to the relative RMSE on the left. The error is that after the best one's time; where no method has "
-        "reached it, that of the final images. Bias or noise: of the final images.",
+        "reached it, that of the final images. Of its squared error: shares of the sum of its components' squared "
+        "errors. Bias or noise: of the "
+        "final images.",
         {words("to reach"),
          words("method"),
          {"seconds"},
@@ -355,7 +356,8 @@ std::vector<Section> sections(const Analysis& analysis) {
                     "error without them and the median over the pixels, by the plain formulas."),
         row_section(
             analysis, in_noise, "Bias and noise",
-            "The parts of the mean squared error of the final images, in absolute units, so that they do not add "
+            "The parts of the mean squared error of the final images, the reference's own variance subtracted, in "
+            "absolute units, so that they do not add "
             "up to the square of the relative RMSE, of which the share is; and the noise's spatial frequencies."),
         equal_time_section(analysis),
         frontier_section(analysis),

@@ -156,7 +156,8 @@ void add_errors(Columns& c) {
     c.means(
         "root of the mean of (x - r)^2 / (r^2 + epsilon) over pixels and channels, from which the reference's own "
         "variance is subtracted. Components are divided by the r^2 + epsilon of the total");
-    c.shown(in_noise, "mean squared error [radiance^2]", error(&ReplicateStatistics::mse));
+    c.shown(in_noise, "mean squared error [radiance^2]", corrected_mse_field,
+            "the reference's own variance is subtracted");
     c.estimate({"bias2", "radiance^2",
                 "part of the mean squared error that remains when many seeds are averaged, unclipped: below 0 where "
                 "neither seeds nor reference resolve it"},
@@ -232,11 +233,16 @@ void add_laws(Columns& c) {
     c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"}, floor_bias, in_laws, "bias in the floor %",
              floor_bias_field);
     c.means("root of the part of floor^2 that is bias^2");
-    c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope");
+    c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope", [](const TableRow& r) {
+        return r.law ? measured(r.is_unbiased ? r.law->floorless_slope : r.law->slope) : Field{};
+    });
     c.number({"law_factor", "", "c of the law, for t in seconds"},
              [](const TableRow& r) { return r.law ? measured(r.law->law.factor) : Field{}; });
     c.number({"law_misfit", "", "largest relative deviation of a measured squared error from the law"},
-             in_unit(law(&PriceLaw::misfit), Unit::share), in_laws, "worst point off the law %");
+             in_unit(law(&PriceLaw::misfit), Unit::share), in_laws, "worst point off the law %", [](const TableRow& r) {
+                 return r.law ? measured(r.is_unbiased ? r.law->floorless_misfit : r.law->misfit, Unit::share)
+                              : Field{};
+             });
     c.estimate({"next_halving", "",
                 "factor by which time would grow for half the error of the final image, extrapolated by the law; empty "
                 "where its floor is not resolved, or where `table.md` extrapolates nothing"},

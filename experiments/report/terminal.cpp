@@ -47,11 +47,13 @@ std::string cut_list(const std::string& text, std::size_t width) {
 Line line_of(const std::string& scene, const VerdictRow& v) {
     const std::string of = v.parts.empty() || v.kind.empty() ? v.parts + v.kind : v.parts + "; " + v.kind;
     const bool is_foretold = v.seconds.state == State::extrapolated;
+    const bool has_error = !v.seconds.is_measured() && !is_foretold && v.error.is_measured();
+    const std::string beside = has_error ? "at " + text_of(v.error).value + " %" : text_of(v.factor).value;
     return {.scene = scene,
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
             .seconds = text_of(v.seconds).value + (is_foretold ? " extrap." : ""),
-            .factor = text_of(v.factor).value + (v.is_tie ? " tie" : ""),
+            .factor = beside + (v.is_tie ? " tie" : ""),
             .consists_of = v.method.empty() ? v.remark : of};
 }
 

@@ -31,7 +31,7 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
     }
     int found = 0;
     const auto trace = [&](std::size_t begin, std::size_t end) {
-        rays.trace(std::span(tested).subspan(begin, end - begin), std::span(met).subspan(begin, end - begin));
+        rays.trace_bodies(std::span(tested).subspan(begin, end - begin), std::span(met).subspan(begin, end - begin));
         for (std::size_t i = begin; i < end && found < probes_that_hit; ++i)
             if (const auto there = rays.surface_hit({tested[i], met[i]}))
                 found += belongs_to(*there, hit, frame.n) && is_level(*there, frame.n) ? 1 : 0;

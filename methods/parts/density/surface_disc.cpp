@@ -36,7 +36,7 @@ Vec3 SurfaceDisc::direction(float turns) const {
 void SurfaceDisc::find_layers(RayQueries& rays, float reach) {
     const auto half_way = [&](const Vec3& w) {
         const Vec3 from = offset_origin(hit_, w);
-        const auto layer = rays.intersect({.o = from, .d = w, .t_max = reach});
+        const auto layer = rays.intersect_bodies({.o = from, .d = w, .t_max = reach});
         return layer ? std::max(0.5f * (layer->p - hit_.p).norm(), rounding_) : infinity;
     };
     above_ = half_way(frame_.n);
@@ -50,7 +50,8 @@ bool SurfaceDisc::find_obstacles(RayQueries& rays, float r, float max_radius) {
 }
 
 float SurfaceDisc::end_of_rise(RayQueries& rays, const Vec3& w, float reach) const {
-    const auto found = rays.intersect({.o = origin_, .d = reach * (w + max_elevation_slope * frame_.n), .t_max = 1.f});
+    const auto found =
+        rays.intersect_bodies({.o = origin_, .d = reach * (w + max_elevation_slope * frame_.n), .t_max = 1.f});
     return found ? std::max((found->p - hit_.p).dot(w), 0.f) : infinity;
 }
 
@@ -65,7 +66,7 @@ bool SurfaceDisc::look_around(RayQueries& rays, float r, int directions) {
         tested[static_cast<std::size_t>(i)] = {.o = origin_, .d = reach * (w + rising_slope * frame_.n), .t_max = 1.f};
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(directions); i += Accelerator::packet_size)
-        rays.trace(std::span(tested).subspan(i, Accelerator::packet_size), std::span(met).subspan(i));
+        rays.trace_bodies(std::span(tested).subspan(i, Accelerator::packet_size), std::span(met).subspan(i));
     bool any = false;
     for (int i = 0; i < directions; ++i) {
         const auto at = static_cast<std::size_t>(i);
@@ -126,7 +127,7 @@ Ray SurfaceDisc::probe(const Vec3& w, float distance) const {
 
 bool SurfaceDisc::is_covered(RayQueries& rays, const Vec3& w, float distance, float rise) const {
     if (distance >= rise) return true;  // found before: the surface rises above the disc here
-    const auto found = rays.intersect(probe(w, distance));
+    const auto found = rays.intersect_bodies(probe(w, distance));
     return found && belongs_to(*found, hit_, frame_.n);
 }
 
@@ -142,7 +143,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
         const Vec3 w = direction((static_cast<float>(i * step) + u_.x()) / static_cast<float>(few * step));
         tested[static_cast<std::size_t>(i)] = probe(w, rim * std::min(end_of(at), r));
     }
-    rays.trace(tested, met);
+    rays.trace_bodies(tested, met);
     bool ends = false;
     for (int i = 0; i < few && !ends; ++i) {
         const auto at = static_cast<std::size_t>(i * step);

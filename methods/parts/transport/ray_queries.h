@@ -61,6 +61,20 @@ public:
         for (std::size_t i = 0; i < rays.size(); ++i)
             scene_.prefetch(found[i]);
     }
+    /// The first surface that is more than the boundary of a medium: what bounds fog along a wall is no obstacle of what lies on
+    /// the wall.
+    std::optional<SurfaceHit> intersect_bodies(const Ray& ray) {
+        TracedRay traced{ray};
+        trace(traced);
+        if (scene_.has_holes()) pass_boundaries(traced.ray, traced.found);
+        return surface_hit(traced);
+    }
+    /// The same for a packet. A ray that has passed a boundary begins beyond it.
+    void trace_bodies(std::span<Ray> rays, std::span<std::optional<Intersection>> found) {
+        trace(rays, found);
+        for (std::size_t i = 0; i < rays.size() && scene_.has_holes(); ++i)
+            pass_boundaries(rays[i], found[i]);
+    }
     /// Traces a packet of rays from the camera. If the camera lies on a surface, such as a lamp, its rays start
     /// beyond that surface: they are shortened accordingly.
     void trace_from_camera(std::span<Ray> rays, std::span<std::optional<Intersection>> found) {
@@ -189,6 +203,21 @@ private:
             visibility *= hit->straight_on(way.direction);
             if (is_black(visibility)) return visibility;
             if (!step_beyond(*hit, way.origin, way.target, way.direction)) return visibility;
+        }
+    }
+
+    /// Moves the start of a ray beyond the surfaces that all light passes.
+    void pass_boundaries(Ray& ray, std::optional<Intersection>& found) {
+        while (found) {
+            const auto hit = scene_.surface_hit(ray, found);
+            if (hit->bsdf->pass_through() < 1.f) return;
+            const Vec3 beyond = offset_origin(*hit, ray.d);
+            const float part = (beyond - ray.o).dot(ray.d) / ray.d.squaredNorm();
+            if (!(part > 0.f)) return;
+            TracedRay rest{{.o = beyond, .d = ray.d, .t_max = std::max(ray.t_max - part, 0.f)}};
+            trace(rest);
+            ray = rest.ray;
+            found = rest.found;
         }
     }
 

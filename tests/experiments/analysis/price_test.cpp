@@ -174,8 +174,8 @@ TEST(FootingWarnings, NameSceneMethodAndComponent) {
               "quick differs from the reference in mean energy: `caustic` +1.20 % (+0.90 to +1.50)");
     analysis.index.seeds = 3;
     EXPECT_THAT(markdown_table(analysis),
-                AllOf(HasSubstr("- box: of 3 components and totals that are not black 1 agree within 1 %, 1 differ, 1 "
-                                "cannot be told (their intervals: `energy_excess` of `table.csv`)."),
+                AllOf(HasSubstr("- box: of 3 components and totals that are not black, 1 within 1 %, 1 beyond, 1 "
+                                "not to be told (their intervals: `energy_excess` of `table.csv`)."),
                       HasSubstr("- box: Warning: quick differs"), Not(HasSubstr("quick cannot be told"))));
 }
 

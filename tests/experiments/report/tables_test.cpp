@@ -293,6 +293,17 @@ TEST(Times, TheNextHalvingOfTableCsvIsThatOfTheReport) {
     EXPECT_EQ(in_csv("next_halving"), "");
 }
 
+TEST(Times, ASlopeStandsBesideTheFloorOfItsLaw) {
+    Analysis analysis;
+    analysis.rows = {law_row()};
+    PriceLaw& law = *analysis.rows[0].law;
+    law.slope = {1.25, {}};
+    law.floorless_slope = {0.75, {}};
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 1.25 |"), Not(HasSubstr("| 0.750 |"))));
+    analysis.rows[0].is_unbiased = true;
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("0 (unbiased)"), HasSubstr("| 0.750 |")));
+}
+
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
     CsvTable table{{"a", "b,c"}, {}};
     table.add({"x\"y", "line\nbreak"});

@@ -60,5 +60,12 @@ TEST(PlaceRadius, OfARodIsItsThickness) {
     EXPECT_GE(r, 0.004f);
 }
 
+// What bounds fog along a wall is nothing, as seen from the wall.
+TEST(PlaceRadius, IsNotBoundedWhereAMediumEnds) {
+    const LoadedScene scene = scene_of_shapes(
+        white("rectangle", scale(5)) + shape("rectangle", to_world(scale(5), translate(0, 0, 0.001)), bsdf("null")));
+    EXPECT_EQ(radius_at(scene, down_at(0.3f, 0.2f, 0.0005f)), 1.f);
+}
+
 }  // namespace
 }  // namespace gib::test::place_radius_test

@@ -301,5 +301,22 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     }
 }
 
+// What bounds fog along a wall is no obstacle and no other layer, and does not cover the wall; a sheet there is all of that.
+TEST(SurfaceDisc, SeesThroughTheBoundariesOfMedia) {
+    for (const bool is_sheet : {false, true}) {
+        const LoadedScene scene = scene_of_shapes(
+            white("rectangle", scale(5)) +
+            shape("rectangle", to_world(scale(5), translate(0, 0, 0.001)), is_sheet ? diffuse(1.0) : bsdf("null")));
+        RayQueries rays(*scene.scene);
+        const auto hit = scene.scene->intersect(down_at(0.3f, 0.2f, 0.0005f));
+        SurfaceDisc disc(*hit, Vec3::UnitZ(), Vec2(0.3f, 0.6f));
+        EXPECT_EQ(disc.find_obstacles(rays, 1.f, 1.f), is_sheet);
+        disc.find_layers(rays, 1.f);
+        EXPECT_EQ(disc.in_layer(Vec3(0, 0, 0.01f)), !is_sheet);
+        if (is_sheet) continue;
+        EXPECT_EQ(disc.covered(rays, Kernel::uniform, 1.f), 1.f);
+    }
+}
+
 }  // namespace
 }  // namespace gib::test::surface_disc_test
