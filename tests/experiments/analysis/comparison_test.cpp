@@ -111,6 +111,7 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
 TEST(BiasLaws, HaveTheNamesOfTheirRows) {
     const auto name_of_law = [](const std::string& before, const std::string& after) {
         Analysis analysis;
+        analysis.cells = {run_of("photon_mapper", 1, 1, 2)};
         for (const char* x : {"1e4", "1e5", "1e6"}) {
             const std::string name = before + "photons=" + x + after;
             analysis.rows.push_back(row_of(name, Layer::total, Estimate{1, {}}, 5));
