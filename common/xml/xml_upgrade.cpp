@@ -235,7 +235,8 @@ private:
     }
 
     void upgrade_bsdf() {
-        if (is(e_, "bsdf", "diffuse")) rename(e_, "diffuse_reflectance", "reflectance");
+        if (is(e_, "bsdf", "diffuse") || is(e_, "bsdf", "roughdiffuse"))
+            rename(e_, "diffuse_reflectance", "reflectance");
         if (XmlElement* distribution = property(e_, "distribution"))
             if (XmlAttribute* value = attribute_of(*distribution, "value");
                 value && (value->value == "phong" || value->value == "as")) {
@@ -369,6 +370,7 @@ private:
 
     void upgrade_medium() {
         rename(e_, "density_multiplier", "scale");
+        drop(e_, {"medium_sampling_weight", "sampling_density", "strategy"});  // they choose how Mitsuba 0.6 samples
         if (is(e_, "medium", "homogeneous")) check_coefficients();
         if (!is(e_, "medium", "heterogeneous")) return;
         rename(e_, "density", "sigma_t");
@@ -440,6 +442,8 @@ SceneVersion parse_version(const XmlAttribute& version) {
 }
 
 void upgrade_element(XmlElement& element, const SceneVersion& version, LoadWarnings& warnings) {
+    if (version.before(3, 0) && is(element, "volume", "constvolume"))
+        rename(element, "color", "value");  // of Mitsuba 2
     if (version.before(2, 0)) Upgrade(element, version, warnings).apply();
 }
 

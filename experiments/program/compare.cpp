@@ -255,6 +255,8 @@ int compare(const CompareOptions& options, std::ostream& out) {
     require_consistent(options);
     const Reference reference = read_reference(options.reference);
     require_finite(options.reference, "the image", reference.total);
+    if (is_black(reference.total.mean))
+        reject({options.reference}, "the reference is black, and no error is a share of it");
     const Judgement judgement(reference);
     const Denominators& denominators = judgement.denominators(judgement.epsilon(options.epsilon));
     const Image& r = judgement.total().mean;

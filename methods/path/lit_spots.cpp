@@ -18,14 +18,23 @@ constexpr double noted_share = 0.02;
 std::string_view kind_of(const Light& light) {
     return std::holds_alternative<PointLight>(light)  ? "point light"
            : std::holds_alternative<SpotLight>(light) ? "spot light"
+           : std::holds_alternative<AreaLight>(light) ? "lamp"
                                                       : "projector";
+}
+
+/// The area that lights in one direction leave from [squared scene units].
+double extent_of(const Light& light) {
+    if (const auto* lamp = std::get_if<AreaLight>(&light)) return double{lamp->surface.area()};
+    return is_point(light) ? 0 : double{infinity};
 }
 
 }  // namespace
 
 std::optional<LitSpots> lit_spots(const Scene& scene) {
     const auto& lights = scene.lights();
-    if (std::none_of(lights.begin(), lights.end(), is_point)) return std::nullopt;
+    const double small = small_area * sqr(double{scene.diagonal()});  // a steradian
+    const auto is_small = [&](const Light& light) { return extent_of(light) < small; };
+    if (std::none_of(lights.begin(), lights.end(), is_small)) return std::nullopt;
     std::vector<double> on_spots(lights.size());
     std::vector<float> nearest(lights.size(), infinity);
     double all = 0;
@@ -34,13 +43,13 @@ std::optional<LitSpots> lit_spots(const Scene& scene) {
         const EmissionSample start = scene.sample_emission(u.get_1d(0), u.get_2d(1), u.get_2d(2));
         const double power = start.power.sum();
         all += power;
-        if (!(power > 0) || !is_point(lights[start.light])) continue;
+        if (!(power > 0) || !is_small(lights[start.light])) continue;
         const auto hit = scene.intersect(start.ray);
         if (!hit) continue;
         const LobeTraits& lobes = hit->bsdf->traits_at(hit->shading.to_local(-start.ray.d).z());
         const float distance = (hit->p - start.ray.o).norm();
         const double area = double{sqr(distance)} / double{std::abs(hit->ng.dot(start.ray.d))};
-        if (!(area < small_area * sqr(double{scene.diagonal()})) || !(lobes.diffuse || lobes.glossy)) continue;
+        if (!(area < small) || !(lobes.diffuse || lobes.glossy)) continue;
         on_spots[start.light] += power;
         nearest[start.light] = std::min(nearest[start.light], distance);
     }

@@ -43,8 +43,8 @@ Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
     return static_cast<double>(there) * sum;
 }
 
-/// The distance of surfaces that touch over the scene's diagonal: more than the rounding of coordinates.
-constexpr double touching = 1e-5;
+/// The distance of surfaces that touch over the scene's diagonal, and that at which rays tell which one is in front.
+constexpr double touching = 1e-5, distinct = 1e-6;
 /// The least cosine between the normals of surfaces that count as parallel.
 constexpr double parallel = 0.999;
 
@@ -58,7 +58,7 @@ bool contains(const PatchPolygon& polygon, const Vec3d& p) {
 }
 
 /// Surfaces that touch. Where surfaces lie in one plane and face the same way, light meets only one of them at each point,
-/// so each of m surfaces has the share 1 / m of the light there. Where the fronts of two surfaces lie on each other, as the
+/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays tell which it is. Where the fronts of two surfaces lie on each other, as the
 /// bottom of a block does on a floor, no light gets between them.
 class Contacts {
 public:
@@ -69,6 +69,7 @@ public:
     explicit Contacts(const PatchMesh& mesh)
         : mesh_(mesh),
           reach_(touching * static_cast<double>(mesh.charts().scene().diagonal())),
+          distinct_(distinct * static_cast<double>(mesh.charts().scene().diagonal())),
           neighbours_(mesh.sides().size()) {
         for (std::uint32_t side = 0; side < neighbours_.size(); ++side)
             find(side);
@@ -79,9 +80,13 @@ public:
     /// The share of a point p of a side at which light arrives: 1 where nothing touches it, `covered` under a front.
     double share(std::uint32_t side, const Vec3d& p) const {
         int surfaces = 1;
+        const Vec3d& outwards = mesh_.nodes()[mesh_.sides()[side].root].polygon.normal;
         for (const Neighbour& other : neighbours_[side]) {
-            if (std::abs(other.polygon->normal.dot(p - other.polygon->vertices[0])) > reach_) continue;
-            if (!contains(*other.polygon, p)) continue;
+            const Vec3d& normal = other.polygon->normal;
+            const double below =
+                normal.dot(other.polygon->vertices[0] - p) / normal.dot(outwards);  // p is, if positive
+            if (std::abs(below) > reach_ || below < -distinct_ || !contains(*other.polygon, p)) continue;
+            if (below > distinct_) return covered;
             if (other.fronts_agree) ++surfaces;
             else if (!mesh_.sides()[side].back) return covered;
         }
@@ -115,7 +120,7 @@ private:
     }
 
     const PatchMesh& mesh_;
-    double reach_;
+    double reach_, distinct_;
     std::vector<std::vector<Neighbour>> neighbours_;  ///< parallel surfaces near each side
 };
 

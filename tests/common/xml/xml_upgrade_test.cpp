@@ -104,6 +104,9 @@ std::vector<OldScene> cameras() {
 std::vector<OldScene> materials() {
     return {
         with_bsdf("colours", bsdf("diffuse", old_rgb("diffuseReflectance", "0.2, 0.5 0.8")), one_sided("0.2 0.5 0.8")),
+        with_bsdf("the other name of a rough diffuse reflectance",
+                  bsdf("roughdiffuse", old_rgb("diffuseReflectance", "0.2, 0.5 0.8")),
+                  bsdf("roughdiffuse", rgb("reflectance", "0.2 0.5 0.8"))),
         with_bsdf("sRGB in hexadecimal digits", bsdf("diffuse", "<srgb name='reflectance' value='#ff8000'/>"),
                   one_sided("1 " + fmt::format("{}", linear_from_srgb(128.f / 255)) + " 0")),
         with_bsdf("checkerboard",
@@ -206,6 +209,11 @@ std::vector<OldScene> media_and_instances() {
                     inside("homogeneous", spectrum("sigmaS", 0.5), spectrum("sigmaA", 0.25),
                            number("densityMultiplier", 2), phase),
                     inside("homogeneous", rgb("sigma_s", 0.5), rgb("sigma_a", 0.25), number("scale", 2), phase)),
+        with_medium(
+            "sampling of distances",
+            inside("homogeneous", spectrum("sigmaT", 0.5), spectrum("albedo", 0.5), number("mediumSamplingWeight", 0.5),
+                   text("strategy", "balance"), number("samplingDensity", 2)),
+            inside("homogeneous", number("sigma_t", 0.5), number("albedo", 0.5))),
         with_medium("smoke",
                     inside("heterogeneous", text("method", "woodcock"), number("stepSize", 0.1),
                            named("volume", "density", "constvolume", number("value", 0.7)),

@@ -33,6 +33,19 @@ TEST(LitSpots, OfAPointLightHaveTheShareOfTheClosedForm) {
     }
 }
 
+TEST(LitSpots, AlsoOfSmallLampsThatFaceASurface) {
+    const auto share = [](double size, double z) {
+        const auto spots =
+            lit_spots(*square_under(shape("rectangle", to_world(scale(size), rotate('x', 180), translate(0.3, 0.2, z)),
+                                          area_light("1, 1, 1")))
+                           .scene);
+        return spots ? spots->share : 0;
+    };
+    EXPECT_GT(share(1e-4, 1e-3), 0.5);
+    EXPECT_EQ(share(0.1, 1e-3), 0) << "paths from the camera find what a large lamp lights";
+    EXPECT_EQ(share(1e-4, 1), 0);
+}
+
 TEST(LitSpots, AreOnlyWhereLightIsScattered) {
     const std::string near = test::point("position", 0.3, 0.2, 1e-4);
     EXPECT_FALSE(lit_spots(*square_under(emitter("point", near), bsdf("conductor")).scene));
