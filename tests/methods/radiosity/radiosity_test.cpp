@@ -200,6 +200,16 @@ TEST(Radiosity, SurfacesLieInOnePlane) {
     expect_indirect_light_of_path_tracing(open_room(0.7, triangles(folder, slivers, 0.7)));
 }
 
+// A carpet that lies close above the floor has all the light there. The room's diagonal is 3.5.
+TEST(Radiosity, ACarpetHidesTheFloorUnderIt) {
+    for (const auto& [floor, carpet] : {std::pair(0.3, 0.95), std::pair(0.8, 0.2)})
+        for (const double lift : {8e-6, 3e-5, 1e-4}) {
+            SCOPED_TRACE(testing::Message() << carpet << " on " << floor << ", " << lift);
+            expect_indirect_light_of_path_tracing(open_room(
+                floor, shape("rectangle", to_world(scale(0.6), translate(0.1, 0, -1 + lift)), two_sided(carpet))));
+        }
+}
+
 // A cube of 10 m, reflectance 2/3, with a point light of 50000 cd in the middle: published luminances of a wall at its
 // centre, 2.5 m from it, and 2.5 m from it in both directions.
 TEST(Radiosity, LosesNoLightInAClosedCube) {
