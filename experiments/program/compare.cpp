@@ -235,6 +235,9 @@ bool is_black(const Json& values) {
 /// Warns of what is wrong with a file, so that its numbers say little.
 void warn_of_doubts(const CompareOptions& options, const std::vector<LayeredImage>& files, const Subject& total,
                     const Reference& reference) {
+    if (!options.epsilon && is_black(reference.total.mean))
+        std::cerr << fmt::format("warning: {}: the reference is black, and no error is a share of it\n",
+                                 options.reference);
     const auto warn = [](const std::string& path, const Image& image, const Image& other) {
         if (const auto doubts = doubts_about_image(image, other); !doubts.empty())
             std::cerr << fmt::format("warning: {}: {}\n", path, doubts);
@@ -255,8 +258,6 @@ int compare(const CompareOptions& options, std::ostream& out) {
     require_consistent(options);
     const Reference reference = read_reference(options.reference);
     require_finite(options.reference, "the image", reference.total);
-    if (is_black(reference.total.mean))
-        reject({options.reference}, "the reference is black, and no error is a share of it");
     const Judgement judgement(reference);
     const Denominators& denominators = judgement.denominators(judgement.epsilon(options.epsilon));
     const Image& r = judgement.total().mean;

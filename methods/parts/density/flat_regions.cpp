@@ -25,12 +25,6 @@ struct MeshPlanes {
     std::vector<std::uint32_t> of_triangle;
 };
 
-/// Whether a shape only bounds a medium: all light passes through it.
-bool is_nothing(const Scene& scene, std::size_t shape) {
-    const Bsdf* const bsdf = scene.material_of_shape(shape).constant();
-    return bsdf && bsdf->pass_through() == 1.f;
-}
-
 /// Empty if the mesh counts as curved.
 std::optional<MeshPlanes> planes_of(const Mesh& mesh, double rounding) {
     if (mesh.triangles.size() > most_triangles || !mesh.normals.empty()) return std::nullopt;
@@ -95,14 +89,13 @@ FlatRegions::FlatRegions(const Scene& scene, int resolution) {
     const InstancedGroups& groups = scene.groups();
     const std::size_t in_scene = groups.begin.empty() ? scene.shapes().size() : groups.begin.front();
     for (std::size_t i = 0; i < in_scene; ++i) {
-        if (is_nothing(scene, i)) continue;
         const auto* mesh = std::get_if<Mesh>(&scene.shapes()[i]);
         if (mesh) add_mesh(*mesh, static_cast<std::uint32_t>(i));
         else add_box(bounds_of(scene.shapes()[i]), mixed);
     }
     for (const Instance& instance : groups.instances)
         for (std::size_t i = groups.begin[instance.group]; i < groups.begin[instance.group + 1]; ++i)
-            if (!is_nothing(scene, i)) add_box(transformed(instance, bounds_of(scene.shapes()[i])), mixed);
+            add_box(transformed(instance, bounds_of(scene.shapes()[i])), mixed);
     spread();
 }
 
