@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -48,7 +49,8 @@ Line line_of(const std::string& scene, const VerdictRow& v) {
     const std::string of = v.parts.empty() || v.kind.empty() ? v.parts + v.kind : v.parts + "; " + v.kind;
     const bool is_foretold = v.seconds.state == State::extrapolated;
     const bool has_error = !v.seconds.is_measured() && !is_foretold && v.error.is_measured();
-    const std::string beside = has_error ? "at " + text_of(v.error).value + " %" : text_of(v.factor).value;
+    const std::string beside =
+        has_error ? fmt::format("{:.2g} %", 100 * std::sqrt(v.error.value)) : text_of(v.factor).value;
     return {.scene = scene,
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
