@@ -22,7 +22,7 @@ std::string_view kind_of(const Light& light) {
                                                       : "projector";
 }
 
-/// The area that lights in one direction leave from [squared scene units].
+/// The area that the light leaves from [squared scene units]: 0 at a point, infinite for light from infinitely far away.
 double extent_of(const Light& light) {
     if (const auto* lamp = std::get_if<AreaLight>(&light)) return double{lamp->surface.area()};
     return is_point(light) ? 0 : double{infinity};

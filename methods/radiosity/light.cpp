@@ -58,8 +58,8 @@ bool contains(const PatchPolygon& polygon, const Vec3d& p) {
 }
 
 /// Surfaces that touch. Where surfaces lie in one plane and face the same way, light meets only one of them at each point,
-/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays tell which it is. Where the fronts of two surfaces lie on each other, as the
-/// bottom of a block does on a floor, no light gets between them.
+/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays tell which it is. Where the
+/// fronts of two surfaces lie on each other, as the bottom of a block does on a floor, no light gets between them.
 class Contacts {
 public:
     /// Not 0, so that light is known also at points that are covered. They hardly count for others.

@@ -60,7 +60,7 @@ TEST(PlaceRadius, OfARodIsItsThickness) {
     EXPECT_GE(r, 0.004f);
 }
 
-// What bounds fog along a wall is nothing, as seen from the wall.
+// Fog may end along a wall; as seen from the wall, nothing is there.
 TEST(PlaceRadius, IsNotBoundedWhereAMediumEnds) {
     const LoadedScene scene = scene_of_shapes(
         white("rectangle", scale(5)) + shape("rectangle", to_world(scale(5), translate(0, 0, 0.001)), bsdf("null")));

@@ -301,7 +301,7 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     }
 }
 
-// What bounds fog along a wall is no obstacle and no other layer, and does not cover the wall; a sheet there is all of that.
+// The boundary of fog along a wall is no obstacle and no other layer, and does not cover the wall; a sheet there is both.
 TEST(SurfaceDisc, SeesThroughTheBoundariesOfMedia) {
     for (const bool is_sheet : {false, true}) {
         const LoadedScene scene = scene_of_shapes(
