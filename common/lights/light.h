@@ -22,6 +22,7 @@ struct BoundingSphere {
     float radius = 1.f;
 
     BoundingSphere() = default;
+    BoundingSphere(const Vec3& middle, float r) : center(middle), radius(r) {}
     explicit BoundingSphere(const Bounds& bounds);
     /// Area of the ball's cross-section [scene units^2]. It is in double so that the lights of a tiny scene
     /// do not underflow.

@@ -32,6 +32,7 @@ public:
         plan.unresolved =
             uses_all ? components_of_delta_paths(scene, plan.called_for) : find_method("bidirectional").components;
         add_joined_paths(plan, scene, settings_);
+        add_importons(plan, settings_.guiding, why_no_importons(plan));
         return plan;
     }
 
@@ -61,7 +62,8 @@ MethodDescription describe_bidirectional() {
                        technique("camera", "vertices of light paths are connected to the camera"),
                        choice_parameter(
                            "techniques", {"off", "on"},
-                           "keep an image of each technique, weighted and alone, for paths of up to 5 edges")},
+                           "keep an image of each technique, weighted and alone, for paths of up to 5 edges"),
+                       guide_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
@@ -75,6 +77,8 @@ MethodDescription describe_bidirectional() {
                  .connections = on("connections"),
                  .camera = on("camera")},
                 on("techniques"),
+                {},
+                guiding_of(values),
             });
         },
     };

@@ -4,26 +4,6 @@
 
 namespace gib {
 
-/// A direction that the field has chosen, with its density by the field alone; the weight is f |cos|. Where diffuse and
-/// glossy lobes reflect in this direction, u_lobe.y() decides which of them the path belongs to, as in Bsdf::sample_local().
-std::optional<ScatteredRay> GuidedDirections::scatter_by_field(const SurfaceHit& hit, const Vec3& wo_local, Vec2 u_lobe,
-                                                               const Vec2& u) const {
-    const auto chosen = known_->sample(u);
-    if (!hit.normals_agree_about(chosen.wi)) return std::nullopt;
-    const Vec3 wi_local = hit.shading.to_local(chosen.wi);
-    const LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
-    if (is_black(f.sum())) return std::nullopt;
-    const float diffuse = f.diffuse.mean() / f.sum().mean();
-    const bool is_diffuse = u_lobe.y() < diffuse;
-    const Color value = is_diffuse ? Color(f.diffuse / diffuse) : Color(f.specular / (1.f - diffuse));
-    return ScatteredRay{.wi = chosen.wi,
-                        .weight = value * std::abs(wi_local.z()),
-                        .pdf_w = chosen.pdf_w,
-                        .delta = false,
-                        .lobe = is_diffuse ? LobeKind::diffuse : LobeKind::specular,
-                        .eta = 1.f};  // only roulette reads it, and may take any value
-}
-
 std::optional<ScatteredRay> GuidedDirections::scatter(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
                                                       const VertexNumbers& u, bool sees_lights) {
     const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
@@ -33,30 +13,14 @@ std::optional<ScatteredRay> GuidedDirections::scatter(PathWalk& walk, const Surf
     if (has_choice) stand(walk);
     const float a =
         lobes.diffuse && has_choice ? selection(walk) : 0.f;  // glossy lobes are narrower than the field knows
-    Vec2 u_lobe = u.bsdf_lobe();
-    const bool from_field = u_lobe.x() < a;
-    u_lobe.x() = std::min(from_field ? u_lobe.x() / a : (u_lobe.x() - a) / (1.f - a), 1.f - unit_roundoff);
-    auto next = from_field ? scatter_by_field(hit, wo_local, u_lobe, u.bsdf_direction())
-                           : sample_scattering(hit, wo_local, u_lobe, u.bsdf_direction(), Transport::radiance);
-    if (!next) return next;
-
-    float pdf_w = next->pdf_w;
-    if (next->delta) {
-        unguided_ = std::min(next->weight.maxCoeff(), 1.f);
-        next->weight /= 1.f - a;
-    } else {
-        const float by_field = !(a > 0.f) ? 0.f : from_field ? next->pdf_w : known_->pdf_w(next->wi);
-        if (from_field) next->pdf_w = hit.bsdf->pdf_w_local(wo_local, hit.shading.to_local(next->wi));
-        else next->weight *= next->pdf_w;
-        unguided_ = std::min(next->weight.maxCoeff() / next->pdf_w, 1.f);
-        pdf_w = a * by_field + (1.f - a) * next->pdf_w;
-        next->weight /= pdf_w;
-    }
+    auto next = scatter_by_mixture(*known_, a, hit, wo_local, u, Transport::radiance);
+    if (!next) return std::nullopt;
+    unguided_ = std::min(next->unguided, 1.f);
     if (is_black(next->weight)) return std::nullopt;
     // Emission is weighed against light sampling by the density of the lobes alone: any weights that add up to 1 are right, and
     // light sampling need not look the field up.
     walk.take(*next, sees_lights);
-    if (has_choice && !next->delta) leave(walk, next->wi, pdf_w);
+    if (has_choice && !next->delta) leave(walk, next->wi, next->mixture_pdf_w);
     return next;
 }
 
@@ -64,20 +28,12 @@ std::optional<Vec3> GuidedDirections::scatter_in_medium(PathWalk& walk, const Ve
     const PhaseFunction& phase = walk.at.medium->phase();
     stand(walk);
     const float a = 0.5f * selection(walk);  // a path through mist has many bounces
-    const bool from_field = u.bsdf_lobe().x() < a;
-    RadianceField::Distribution::Sample chosen{};
-    if (from_field) {
-        chosen = known_->sample(u.bsdf_direction());
-    } else {
-        chosen.wi = phase.sample(walk.wo(), u.bsdf_direction());
-        chosen.pdf_w = a > 0.f ? known_->pdf_w(chosen.wi) : 0.f;
-    }
-    const float by_lobes = phase.value(walk.wo(), chosen.wi), pdf_w = a * chosen.pdf_w + (1.f - a) * by_lobes;
+    const auto [wi, by_phase, pdf_w] = scatter_by_mixture(*known_, a, phase, walk.wo(), u);
     unguided_ = 1.f;
-    walk.at.beta *= by_lobes / pdf_w;
-    walk.at.pdf_w = sees_lights ? by_lobes : infinity;
-    leave(walk, chosen.wi, pdf_w);
-    return chosen.wi;
+    walk.at.beta *= by_phase / pdf_w;
+    walk.at.pdf_w = sees_lights ? by_phase : infinity;
+    leave(walk, wi, pdf_w);
+    return wi;
 }
 
 /// The probability to follow the field. A direction of the bsdf that the field leaves out weighs 1 / (1 - a). Such weights must
@@ -141,7 +97,8 @@ void GuidedDirections::tell(RadianceField& field, const Sampler& sampler) const 
                                     ? ratio(next->found_on_arrival - v.found, v.after) +
                                           ratio(next->before.cast<double>(), v.after) * double{next->reflected}
                                     : ratio(found_ - v.found, v.after);
-        field.record(v.place, v.wi, radiance, double{*v.pdf_w}, numbers.at_vertex(static_cast<int>(i)));
+        const double cosine = v.place.normal.isZero() ? 1 : std::abs(double{v.place.normal.dot(v.wi)});
+        field.record(v.place, v.wi, radiance * cosine / double{*v.pdf_w}, numbers.at_vertex(static_cast<int>(i)));
     }
 }
 

@@ -2,7 +2,7 @@
 // Directions of a path that follow a radiance field or the bsdf, by one-sample multiple importance sampling (Mueller 2017,
 // section 3), roulette by what a path is expected to find, and the record of what it found.
 
-#include "methods/guided_path/radiance_field.h"
+#include "methods/parts/guiding/guided_scattering.h"
 #include "methods/parts/transport/path_tracer.h"
 
 #include <optional>
@@ -49,8 +49,6 @@ private:
         std::optional<float> pdf_w = {};  ///< [1/sr] of wi; none where the path ended or followed a delta lobe
     };
 
-    std::optional<ScatteredRay> scatter_by_field(const SurfaceHit& hit, const Vec3& wo_local, Vec2 u_lobe,
-                                                 const Vec2& u) const;
     float selection(const PathWalk& walk) const;
     void stand(const PathWalk& walk);
     void leave(const PathWalk& walk, const Vec3& wi, float pdf_w);

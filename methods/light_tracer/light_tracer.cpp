@@ -27,15 +27,15 @@ constexpr Techniques to_the_camera = {.hits = false, .light_sampling = false, .c
 
 class LightTracerRun final : public Run {
 public:
-    LightTracerRun(const Scene& scene, PointSet points, std::uint64_t seed, int max_edges, const Plan& plan,
-                   const ShownComponents& shown, StageTimes& stages)
+    LightTracerRun(const Scene& scene, PointSet points, Guiding guiding, std::uint64_t seed, int max_edges,
+                   const Plan& plan, const ShownComponents& shown, StageTimes& stages)
         : scene_(scene),
           points_(points),
           seed_(seed),
           rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
           follows_(plan.runs(step_light_paths)),
-          paths_(scene, plan, stages),
+          paths_(scene, plan, stages, find_guide(scene, {guiding, max_edges, false, true}, plan, seed, stages, rays_)),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}
@@ -90,17 +90,18 @@ private:
     std::uint64_t seed_;
     PathRules rules_;
     bool lit_, follows_;
+    std::uint64_t rays_ = 0;
     LightPaths paths_;
     Film film_;
     SplatFilm splats_;
     StageTimes& stages_;
     std::uint32_t passes_ = 0;
-    std::uint64_t rays_ = 0;
 };
 
 class LightTracer final : public Method {
 public:
-    LightTracer(PointSet points, int max_edges) : points_(points), max_edges_(max_edges) {}
+    LightTracer(PointSet points, Guiding guiding, int max_edges)
+        : points_(points), guiding_(guiding), max_edges_(max_edges) {}
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("light_tracer"));
@@ -108,18 +109,20 @@ public:
         else if (scene.environment() && scene.sensor().is_orthographic() && !scene.sensor().hides_emitters())
             plan.unresolved = {Component::emission};
         add_light_paths(plan, scene, max_edges_);
+        add_importons(plan, guiding_, plan.runs(step_light_paths) ? "" : "no light paths are followed");
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan planned = plan(scene);
         return std::make_unique<LightTracerRun>(
-            scene, points_, seed, max_edges_, planned,
+            scene, points_, guiding_, seed, max_edges_, planned,
             shown_components(scene, planned.called_for, find_method("light_tracer")), stages);
     }
 
 private:
     PointSet points_;
+    Guiding guiding_;
     int max_edges_;
 };
 
@@ -129,12 +132,13 @@ MethodDescription describe_light_tracer() {
     return {
         .name = "light_tracer",
         .sentence = "paths from the lights whose vertices are connected to the camera: unbiased, resolves caustics",
-        .parameters = {point_set_parameter()},
+        .parameters = {point_set_parameter(), guide_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
-            return std::make_unique<LightTracer>(point_set_of(values), max_edges_of(values, defaults));
+            return std::make_unique<LightTracer>(point_set_of(values), guiding_of(values),
+                                                 max_edges_of(values, defaults));
         },
     };
 }

@@ -79,6 +79,7 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
     add_volume_map(plan, scene, settings);
     add_aims(plan, scene, settings);
+    add_guide(plan, settings);
     add_shadow_map(plan, scene, settings.shadows);
     return plan;
 }
@@ -96,6 +97,7 @@ public:
           walk_{settings.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
           tracing_(scene, settings.max_edges, stages) {
         const Aims aims = build_aims(plan, scene, settings, stages);
+        tracing_.find_guide(plan, settings, plan.runs(step_gather), seed);
         if (plan.runs(step_caustic))
             maps_.caustic =
                 tracing_.traced_map(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get(), seed);
@@ -261,7 +263,7 @@ void refuse_without_effect(const ParameterValues& values, const PhotonMapperSett
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
     if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
-        values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
+        values.refuse({"area", "compensation", "projection", "guide"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
     }
     if (s.compensation && s.k == all_photons) values.refuse({"compensation"}, "k=all, which keeps the radius");
@@ -293,6 +295,7 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.compensation = values.choice("compensation") == "on";
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
+    s.guiding = guiding_of(values);
     s.direct_samples = static_cast<int>(values.integer("direct_samples"));
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
@@ -346,6 +349,7 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
+        guide_parameter(),
         tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
                                 "eye paths for emission and direct light, of each pixel in each pass, beside the one "
                                 "that looks up photons; 1: one path for all light"),

@@ -55,6 +55,7 @@ public:
         passes_ = pass + 1;
         if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
+            tracing_.find_guide(plan_, settings_.maps, false, seed_);
             find_first_radii();
             flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
@@ -201,6 +202,7 @@ public:
         add_global_map(plan, maps);
         add_volume_map(plan, scene, maps);
         add_aims(plan, scene, maps);
+        add_guide(plan, maps);
         return plan;
     }
 
@@ -250,6 +252,7 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.maps.max_edges = max_edges_of(values, defaults);
     s.maps.projection = values.choice("projection") == "on";
+    s.maps.guiding = guiding_of(values);
     s.alpha = values.number("alpha");
     s.first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name));
     return std::make_unique<ProgressivePhotonMapper>(s);
@@ -275,6 +278,7 @@ std::vector<Parameter> progressive_parameters() {
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         disc_area_parameter(),
         projection_parameter(),
+        guide_parameter(),
     };
 }
 

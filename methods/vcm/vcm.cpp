@@ -57,6 +57,7 @@ public:
         if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
             plan.unresolved = find_method("vcm").components;
         add_joined_paths(plan, scene, settings_);
+        add_importons(plan, settings_.guiding, why_no_importons(plan));
         plan.add(std::string(step_merging), why_not_merged(scene, plan));
         return plan;
     }
@@ -93,15 +94,17 @@ std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDe
         values.refuse({"alpha", "first_pass", "radius", "volume_radius", "kernel"},
                       "techniques=" + values.choice("techniques"));
     return std::make_unique<VertexConnectionAndMerging>(
-        subset, JoinedPathsSettings{.points = point_set_of(values),
-                                    .max_edges = max_edges_of(values, defaults),
-                                    .used = techniques_of(subset),
-                                    .merging = MergingSettings{
-                                        .alpha = values.number("alpha"),
-                                        .kernel = chosen<Kernel>(kernel_names, values.choice("kernel")),
-                                        .radius = first_radius_of(values, "radius"),
-                                        .radius_in_media = first_radius_of(values, "volume_radius"),
-                                        .first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name))}});
+        subset,
+        JoinedPathsSettings{
+            .points = point_set_of(values),
+            .max_edges = max_edges_of(values, defaults),
+            .used = techniques_of(subset),
+            .merging = MergingSettings{.alpha = values.number("alpha"),
+                                       .kernel = chosen<Kernel>(kernel_names, values.choice("kernel")),
+                                       .radius = first_radius_of(values, "radius"),
+                                       .radius_in_media = first_radius_of(values, "volume_radius"),
+                                       .first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name))},
+            .guiding = guiding_of(values)});
 }
 
 }  // namespace
@@ -117,7 +120,8 @@ MethodDescription describe_vcm() {
                        point_set_parameter(), alpha_parameter(), first_pass_parameter(),
                        first_radius_parameter("radius", "on surfaces", most),
                        first_radius_parameter("volume_radius", "in media", most),
-                       choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance")},
+                       choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance"),
+                       guide_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = false,

@@ -95,10 +95,20 @@ void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings)
     add_aim(plan, step_global_aim, step_global, !scene.has_unbounded_medium(), settings.projection);
 }
 
+void add_guide(Plan& plan, const PhotonMapSettings& settings) {
+    const bool has_maps = plan.runs(step_caustic) || plan.runs(step_global) || plan.runs(step_volume);
+    add_importons(plan, settings.guiding, has_maps ? "" : "no map is run");
+}
+
 Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& settings, StageTimes& stages) {
     const auto timer = stages.time("projection map");
     return {build_aim(plan, step_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
             build_aim(plan, step_global_aim, scene, TargetSurfaces::all, settings.photons)};
+}
+
+void PhotonTracing::find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed) {
+    guide_ =
+        gib::find_guide(scene_, {settings.guiding, settings.max_edges, gathers, gathers}, plan, seed, stages_, rays_);
 }
 
 PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,
@@ -106,7 +116,7 @@ PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, c
     constexpr std::string_view stage = "photon tracing";
     const auto timer = stages_.time(stage);
     StageProgress progress(stages_, stage, count);
-    PhotonWalkResult walk = trace_photons(scene_, kind, count, max_edges_, seed, aim, &progress);
+    PhotonWalkResult walk = trace_photons(scene_, kind, count, max_edges_, seed, aim, &progress, nullptr, guide_.get());
     rays_ += walk.rays;
     photons_ += walk.emitted;
     return walk;

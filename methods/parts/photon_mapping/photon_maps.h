@@ -4,6 +4,7 @@
 
 #include "methods/method.h"
 #include "methods/parts/density/radius_along_rays.h"
+#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/photons/projection_map.h"
 
@@ -26,6 +27,7 @@ struct PhotonMapSettings {
     DiscArea area;
     int max_edges;    ///< edges of the longest path
     bool projection;  ///< lights emit photons only where these can reach surfaces that matter
+    Guiding guiding = Guiding::automatic;
 };
 
 /// The parameters `area`, `volume` and `projection`.
@@ -49,6 +51,9 @@ void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& set
 /// start of the run. Only then is it known whether it drops any emission; otherwise photons leave the lights in all directions.
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
 
+/// Adds the step of the importons that guide the photons of these maps.
+void add_guide(Plan& plan, const PhotonMapSettings& settings);
+
 /// The projection maps that aim the photons of each map; null where photons leave the lights in all directions.
 struct Aims {
     std::unique_ptr<ProjectionMap> caustic, global;
@@ -61,6 +66,9 @@ class PhotonTracing {
 public:
     PhotonTracing(const Scene& scene, int max_edges, StageTimes& stages)
         : scene_(scene), max_edges_(max_edges), stages_(stages) {}
+
+    /// Has later photons follow importance, if the plan runs importons and it pays. `gathers` as of GuideSettings.
+    void find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed);
 
     /// Emits `count` photons for a map of this kind. `aim` may be null.
     PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed);
@@ -78,11 +86,13 @@ public:
 
     std::uint64_t photons() const { return photons_; }
     std::uint64_t rays() const { return rays_; }
+    bool is_guided() const { return guide_ != nullptr; }
 
 private:
     const Scene& scene_;
     int max_edges_;
     StageTimes& stages_;
+    std::shared_ptr<const LightGuide> guide_;
     std::unique_ptr<FlatRegions> regions_;  ///< for look-ups along rays
     std::uint64_t photons_ = 0, rays_ = 0;
 };

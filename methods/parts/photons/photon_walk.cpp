@@ -3,6 +3,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "methods/method.h"
+#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/blocks_within_memory.h"
 #include "methods/parts/photons/projection_map.h"
 #include "methods/parts/transport/path_walk.h"
@@ -32,16 +33,23 @@ const char* name_of(PhotonMapKind kind) {
                                                                           : "volume_photons";
 }
 
+/// The guide of photons, null without one, and the mean power with which they start, in the result's unit.
+struct PhotonGuide {
+    const LightGuide* guide;
+    float first_power;
+};
+
 /// The path of one photon from a light until it is absorbed, escapes or can no longer be stored.
 class PhotonPath {
 public:
     /// Starts along `first`, which has been traced.
-    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const Sampler& sampler, const TracedRay& first,
-               PhotonWalkResult& result)
+    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const PhotonGuide& guide, const Sampler& sampler,
+               const TracedRay& first, PhotonWalkResult& result)
         : walk_(rays, sampler, first, rays.scene().has_media() ? rays.medium_at(first.ray.o) : nullptr),
           at_(walk_.at),
           kind_(kind),
           max_edges_(max_edges),
+          guide_(guide),
           result_(result) {}
 
     /// Follows the photon, which the light has emitted with this power, in the result's unit.
@@ -76,7 +84,7 @@ private:
                                              at_.path_class.in_medium, at_.stratum);
             if (walk_.passes_through(*hit)) continue;
             walk_.disperse(*hit, dimension::photon_stratum);
-            if (!scatter(*hit, wo_local)) return;
+            if (!scatter(*hit, wo, wo_local)) return;
         }
     }
 
@@ -115,6 +123,14 @@ private:
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
         const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        if (const auto known = guide_.guide ? guide_.guide->in_medium(p) : std::nullopt) {
+            if (!allows_edge(at_.vertex + 2)) return false;
+            const auto wi = guide_.guide->scatter_in_medium(*known, walk_, u, guide_.first_power, false);
+            if (!wi) return false;
+            at_.path_class.in_medium = true;
+            walk_.go_on(p, *wi);
+            return true;
+        }
         const float survival = std::min(at_.beta.maxCoeff() / before, most_survival(at_.vertex));
         if (!survives(at_.beta, survival, u.roulette())) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
@@ -127,25 +143,31 @@ private:
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
     /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
     /// that its power has got there. Returns false if the photon ends here.
-    bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
-        const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
-        const Color albedo = c.diffuse + c.specular;
-        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
-        const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
-        if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return false;
-
-        const auto next = walk_.scatter(hit, wo_local, u, Transport::power, false);
+    bool scatter(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
+        const auto next = scattered(hit, wo, wo_local);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
         walk_.go_on(hit, next->wi);
         return true;
     }
+    std::optional<ScatteredRay> scattered(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
+        if (const auto known = guide_.guide ? guide_.guide->at_surface(hit, wo, wo_local) : std::nullopt)
+            return guide_.guide->scatter(*known, walk_, hit, wo_local, walk_.sampler.at_vertex(at_.vertex),
+                                         guide_.first_power, false);
+        const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
+        const Color albedo = c.diffuse + c.specular;
+        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
+        if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return std::nullopt;
+        return walk_.scatter(hit, wo_local, u, Transport::power, false);
+    }
 
     PathWalk walk_;
     PathState& at_;  ///< state of walk_; beta is the power in the result's unit
     PhotonMapKind kind_;
     int max_edges_;
+    const PhotonGuide& guide_;
     PhotonWalkResult& result_;
 };
 
@@ -161,6 +183,20 @@ void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t en
         TracedRay first{start.ray};
         rays.trace(first);
         visit(start, first, sampler);
+    }
+}
+
+/// The same for starts that a guide aims.
+template <typename Visit>
+void emit_guided(RayQueries& rays, const LightEmission& emission, std::uint64_t key, std::size_t begin, std::size_t end,
+                 const Visit& visit) {
+    for (std::size_t i = begin; i < end; ++i) {
+        const Sampler sampler(PointSet::independent, key, i, 0);
+        const auto start = emission.sample(sampler);
+        if (!start) continue;
+        TracedRay first{start->sample.ray};
+        rays.trace(first);
+        visit(start->sample, first, sampler);
     }
 }
 
@@ -197,7 +233,8 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
 }  // namespace
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log) {
+                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log,
+                               const LightGuide* guide) {
     PhotonWalkResult result;
     result.emitted = count;
     if (count == 0 || !scene.has_light() || (aim && aim->empty())) return result;
@@ -208,6 +245,10 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     result.unit = photon_power_unit(scene.emitted_power(), count);
     const double share = 1 / (static_cast<double>(count) * result.unit);
 
+    // Caustic photons follow the guide at their start alone.
+    const bool caustic = kind == PhotonMapKind::caustic;
+    const PhotonGuide guiding{caustic ? nullptr : guide, static_cast<float>(share * scene.emitted_power().maxCoeff())};
+    const LightEmission* guided_emission = !guide ? nullptr : caustic ? guide->caustic_emission() : guide->emission();
     const std::uint64_t per_block =
         std::clamp(count / walk_blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
@@ -217,9 +258,10 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
             // Such a photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in
             // a density estimate without adding power.
             if (power.maxCoeff() < PhotonPayload::least_power) return;
-            PhotonPath(rays, kind, longest, sampler, first, block).trace(scene.lights()[start.light], power);
+            PhotonPath(rays, kind, longest, guiding, sampler, first, block).trace(scene.lights()[start.light], power);
         };
-        if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
+        if (guided_emission) emit_guided(rays, *guided_emission, key, begin, end, trace);
+        else if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
         else emit(rays, key, begin, end, trace);
         block.rays = rays.count();
         if (progress) progress->add(end - begin);

@@ -19,6 +19,22 @@ constexpr std::size_t balls_per_bin = 8, most_balls = 1 << 15;
 /// A tenth of the choices is spread evenly over the lights, as without projection maps (light_choice()).
 constexpr double uniform_share = 0.1;
 
+/// A light at infinity over the disc that covers these targets, if that is smaller than the scene's.
+std::optional<Light> focused_on(const Light& light, const BoundingSphere& targets) {
+    std::optional<Light> focused;
+    std::visit(
+        [&](const auto& of_kind) {
+            if constexpr (requires { of_kind.scene; }) {
+                if (!(targets.radius < of_kind.scene.radius)) return;
+                auto narrower = of_kind;
+                narrower.scene = targets;
+                focused.emplace(std::move(narrower));
+            }
+        },
+        light);
+    return focused;
+}
+
 /// Maps u in [0, 1) to x in [lower, upper) of dimension i of the box.
 float within(const EmissionBox& box, std::size_t i, float u) {
     const float x = box.lower[i] + u * box.width(i);
@@ -31,15 +47,14 @@ float within(const EmissionBox& box, std::size_t i, float u) {
 /// target, until there are `most_bins`.
 class ProjectionMap::Refinement {
 public:
-    Refinement(const Scene& scene, const ProjectionTargets& targets, const std::vector<OfLight>& lights,
-               std::size_t most_bins)
-        : scene_(scene), targets_(targets), lights_(lights), most_bins_(most_bins) {
+    Refinement(const Scene& scene, const ProjectionMap& map, std::size_t most_bins)
+        : scene_(scene), map_(map), targets_(map.targets_), lights_(map.lights_), most_bins_(most_bins) {
         double total = 0;
-        for (const OfLight& light : lights)
+        for (const OfLight& light : lights_)
             total += light.power;
-        for (std::size_t i = 0; i < lights.size(); ++i) {
-            Growing bin{{{}, static_cast<std::uint32_t>(i)}, lights[i].power / total};
-            if (lights[i].power > 0 && look(bin)) bins_.push_back(bin);
+        for (std::size_t i = 0; i < lights_.size(); ++i) {
+            Growing bin{{{}, static_cast<std::uint32_t>(i)}, lights_[i].power / total};
+            if (lights_[i].power > 0 && look(bin)) bins_.push_back(bin);
         }
     }
 
@@ -75,7 +90,7 @@ private:
         std::uint32_t hint = 0;  ///< the target that it reached last, which is tested first
     };
 
-    const Light& light_of(const Growing& bin) const { return scene_.lights()[bin.bin.light]; }
+    const Light& light_of(const Growing& bin) const { return map_.light_of(scene_, bin.bin.light); }
 
     /// Whether the bin's rays can reach a target. Also updates `finished` and `hint`.
     bool look(Growing& bin) const {
@@ -190,6 +205,7 @@ private:
     }
 
     const Scene& scene_;
+    const ProjectionMap& map_;
     const ProjectionTargets& targets_;
     const std::vector<OfLight>& lights_;
     std::size_t most_bins_;
@@ -197,19 +213,25 @@ private:
 };
 
 ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins)
-    : targets_(scene, surfaces, std::min(balls_per_bin * most_bins, most_balls)) {
+    : ProjectionMap(scene, ProjectionTargets(scene, surfaces, std::min(balls_per_bin * most_bins, most_balls)),
+                    most_bins) {}
+
+ProjectionMap::ProjectionMap(const Scene& scene, ProjectionTargets targets, std::size_t most_bins)
+    : targets_(std::move(targets)) {
     for (const Light& light : scene.lights()) {
         const auto* area = std::get_if<AreaLight>(&light);
         const bool blind = area && cannot_see_itself(*area, scene.shapes());
-        lights_.push_back({.power = power_of(light).mean(),
+        auto focused = targets_.empty() ? std::nullopt : focused_on(light, {targets_.center(), targets_.radius()});
+        lights_.push_back({.power = power_of(focused ? *focused : light).mean(),
                            .own_shape = blind ? area->shape : ProjectionTargets::no_shape,
-                           .at_infinity = is_at_infinity(light)});
+                           .focused = std::move(focused)});
+        all_power_ += power_of(light).mean();
     }
-    bins_ = Refinement(scene, targets_, lights_, most_bins).run();
+    bins_ = Refinement(scene, *this, most_bins).run();
     for (const Bin& bin : bins_)
         lights_[bin.light].kept += bin.box.volume();
     for (const OfLight& light : lights_)
-        aims_ |= light.power > 0 && light.kept < 1;
+        aims_ |= light.power > 0 && (light.kept < 1 || light.focused);
     if (!bins_.empty()) prepare_choice();
 }
 
@@ -240,19 +262,25 @@ void ProjectionMap::prepare_choice() {
     }
 }
 
-double ProjectionMap::kept_power() const {
-    double kept = 0, all = 0;
-    for (const OfLight& light : lights_) {
-        kept += light.power * light.kept;
-        all += light.power;
-    }
-    return kept / all;
+const Light& ProjectionMap::light_of(const Scene& scene, std::size_t light) const {
+    return lights_[light].focused ? *lights_[light].focused : scene.lights()[light];
 }
 
-bool ProjectionMap::meets_target(std::size_t light, const Vec3& p, const Vec3& w) const {
+double ProjectionMap::density(const Scene& scene, std::size_t light, const Vec3& w, float cos_light) const {
+    return emission_pdf(light_of(scene, light), w, cos_light) / double{lights_[light].scale};
+}
+
+double ProjectionMap::kept_power() const {
+    double kept = 0;
+    for (const OfLight& light : lights_)
+        kept += light.power * light.kept;
+    return kept / all_power_;
+}
+
+bool ProjectionMap::meets_target(const Scene& scene, std::size_t light, const Vec3& p, const Vec3& w) const {
     const OfLight& from = lights_[light];
     if (!(from.kept > 0)) return false;
-    const RayBundle ray{p.cast<double>(), 0, {w.cast<double>(), 0}, from.at_infinity};
+    const RayBundle ray{p.cast<double>(), 0, {w.cast<double>(), 0}, is_at_infinity(scene.lights()[light])};
     std::uint32_t hint = 0;
     return targets_.reach(ray, from.own_shape, hint) != ProjectionTargets::Reach::none;
 }
@@ -270,10 +298,13 @@ EmissionSample ProjectionMap::sample_emission(const Scene& scene, std::uint32_t 
                                               const Vec2& u_direction) const {
     const auto& [box, light] = bins_[bin];
     EmissionSample sample = gib::sample_emission(
-        scene.lights()[light], scene.shapes(), Vec2(within(box, 0, u_position.x()), within(box, 1, u_position.y())),
+        light_of(scene, light), scene.shapes(), Vec2(within(box, 0, u_position.x()), within(box, 1, u_position.y())),
         Vec2(within(box, 2, u_direction.x()), within(box, 3, u_direction.y())));
     sample.power *= double{lights_[light].scale};
     sample.light = light;
+    // The disc over the targets may lie within the scene.
+    if (lights_[light].focused)
+        sample.ray.o -= BoundingSphere(scene.bounds()).distance_past(sample.ray.o) * sample.ray.d;
     return sample;
 }
 

@@ -19,6 +19,7 @@
 #include "methods/parts/photons/projection_targets.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace gib {
@@ -28,6 +29,8 @@ class Scene;
 class ProjectionMap {
 public:
     /// Builds at most `most_bins` bins for all lights together; lights of more power get more of them.
+    ProjectionMap(const Scene& scene, ProjectionTargets targets, std::size_t most_bins);
+    /// The same for surfaces of the scene.
     ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins = 1 << 16);
 
     /// Whether no light can reach a target.
@@ -53,28 +56,31 @@ public:
 
     /// The share of all lights' power that the bins hold, with untextured lights.
     double kept_power() const;
-    /// P_l / V_l: the density of x in the light's bins.
-    double density(std::size_t light) const { return 1 / double{lights_[light].scale}; }
+    /// The density of a start in the light's bins in direction w, as of emission_pdf(), with the choice of the light.
+    double density(const Scene& scene, std::size_t light, const Vec3& w, float cos_light) const;
     /// Whether a ray of the light meets a target: one that starts at p in direction w, or for a light at infinity the
     /// whole line through p. The bins hold all such rays.
-    bool meets_target(std::size_t light, const Vec3& p, const Vec3& w) const;
+    bool meets_target(const Scene& scene, std::size_t light, const Vec3& p, const Vec3& w) const;
 
 private:
     struct OfLight {
-        double power = 0;                                       ///< [W] mean of the channels
+        double power = 0;                                       ///< [W] mean of the channels, of the focused light
         double kept = 0;                                        ///< V_l
         float scale = 0.f;                                      ///< V_l / P_l
         std::uint32_t own_shape = ProjectionTargets::no_shape;  ///< shape that its rays cannot meet
-        bool at_infinity = false;
+        /// A light at infinity, over the disc that covers the targets rather than all of the scene.
+        std::optional<Light> focused = {};
     };
     class Refinement;
 
+    const Light& light_of(const Scene& scene, std::size_t light) const;
     void prepare_choice();
 
     ProjectionTargets targets_;
     std::vector<OfLight> lights_;
     std::vector<Bin> bins_;
     bool aims_ = false;
+    double all_power_ = 0;              ///< [W] of the scene's lights, mean of the channels
     std::vector<double> begin_;         ///< start of each bin's interval of [0, 1)
     std::vector<std::uint32_t> guide_;  ///< entry i: the bin at i / size, where the search for a bin starts
 };

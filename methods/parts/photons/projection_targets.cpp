@@ -232,8 +232,10 @@ private:
 
 }  // namespace
 
-ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls) {
-    std::vector<Ball> balls = balls_of(scene, surfaces, wanted_balls);
+ProjectionTargets::ProjectionTargets(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls)
+    : ProjectionTargets(balls_of(scene, surfaces, wanted_balls)) {}
+
+ProjectionTargets::ProjectionTargets(std::vector<Ball> balls) {
     if (balls.empty()) return;
     nodes_.reserve(2 * balls.size() - 1);
     build(balls, 0, balls.size());

@@ -20,6 +20,15 @@ enum class TargetSurfaces {
 /// shapes of instances are carried into the scene. Each piece lies inside its ball.
 class ProjectionTargets {
 public:
+    static constexpr std::uint32_t no_shape = ~0u;
+    struct Ball {
+        Vec3 center;
+        float radius;
+        std::uint32_t shape;  ///< index among the scene's shapes; no_shape for shapes of instances
+        bool whole_sphere;    ///< the target is the whole surface of the ball
+    };
+
+    explicit ProjectionTargets(std::vector<Ball> balls);
     /// Makes about `wanted_balls` balls, but at least one for each shape.
     ProjectionTargets(const Scene& scene, TargetSurfaces surfaces, std::size_t wanted_balls);
 
@@ -34,17 +43,9 @@ public:
         some,     ///< some ray may meet a ball
         all_meet  ///< every ray meets a target, which is a whole sphere
     };
-    static constexpr std::uint32_t no_shape = ~0u;
     /// Tells whether the bundle can reach a target; those of the shape `except` do not count. `hint` is the number of
     /// a node that is tested first, 0 at the start; it is set to the node that was met.
     Reach reach(const RayBundle& bundle, std::uint32_t except, std::uint32_t& hint) const;
-
-    struct Ball {
-        Vec3 center;
-        float radius;
-        std::uint32_t shape;  ///< index among the scene's shapes; no_shape for shapes of instances
-        bool whole_sphere;    ///< the target is the whole surface of the ball
-    };
 
 private:
     struct Node {

@@ -25,7 +25,8 @@ public:
           stages_(stages),
           points_(settings.points),
           runs_(plan.runs(step_eye_paths)),
-          paths_(scene, plan, stages),
+          paths_(scene, plan, stages,
+                 find_guide(scene, {settings.guiding, settings.max_edges, false, true}, plan, seed, stages, rays_)),
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
           splats_(width(), height(), shown.accumulated, paths_.sum_unit),
@@ -81,13 +82,13 @@ private:
     StageTimes& stages_;
     PointSet points_;
     bool runs_;
+    std::uint64_t rays_ = 0;
     LightPaths paths_;
     BiasedFilm film_;
     SplatFilm splats_;
     PassOfPaths pass_;
     std::unique_ptr<TechniquePyramid> pyramid_;
     std::optional<MergedVertices> merged_;
-    std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;
 };
 
@@ -169,6 +170,11 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
     plan.add(std::string(step_connections), used.connections && settings.max_edges >= 3,
              used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
                               : "connections are turned off");
+}
+
+std::string why_no_importons(const Plan& plan) {
+    if (!plan.runs(step_light_paths)) return "no light paths are followed";
+    return plan.runs(step_light_aim) ? "" : "no light reaches a diffuse surface by way of a specular one";
 }
 
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,

@@ -19,6 +19,7 @@ struct JoinedPathsSettings {
     Techniques used;
     bool shows_techniques = false;
     std::optional<MergingSettings> merging = {};
+    Guiding guiding = Guiding::off;
 };
 
 /// The data of one pass, which the estimates of all pixels share.
@@ -53,6 +54,10 @@ private:
 
 /// Adds the steps of light paths, eye paths, light sampling and connections.
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings);
+
+/// Why paths from both ends need no importons; empty if they do. Connections find what the camera sees; but light that is focused
+/// comes from the starts alone, and these follow a guide.
+std::string why_no_importons(const Plan& plan);
 
 /// Starts the run. Only the steps that `plan` runs are made.
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,

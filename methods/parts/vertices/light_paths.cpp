@@ -9,19 +9,22 @@ namespace gib {
 
 namespace {
 
-LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stages) {
-    if (!plan.runs(step_light_aim)) return LightEmission(scene, false);
+LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stages, const LightGuide* guide) {
+    if (guide && guide->emission()) return *guide->emission();
+    if (!plan.runs(step_light_aim)) return LightEmission(scene);
     const auto timer = stages.time(step_light_aim);
-    return LightEmission(scene, true);
+    return LightEmission::at_specular(scene);
 }
 
 }  // namespace
 
-LightPaths::LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages)
+LightPaths::LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages,
+                       std::shared_ptr<const LightGuide> guiding)
     : count(static_cast<double>(scene.sensor().width()) * scene.sensor().height()),
       power(scene.emitted_power().maxCoeff()),
       camera_on_surface(RayQueries(scene).camera_lies_on_surface()),
-      emission(emission_of(scene, plan, stages)) {
+      guide(std::move(guiding)),
+      emission(emission_of(scene, plan, stages, guide.get())) {
     // A diffuse ball around the scene of radius r that gives off the power has the radiance power / (4 pi^2 r^2).
     const double radiance = power / (4 * std::numbers::pi * BoundingSphere(scene.bounds()).area());
     sum_unit = std::isfinite(radiance) && radiance > 0 ? std::exp2(10 + std::round(std::log2(radiance * count))) : 1;

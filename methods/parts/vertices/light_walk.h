@@ -13,7 +13,8 @@ namespace gib {
 /// range of float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
-/// similar power (Jensen 2001, section 5.2).
+/// similar power (Jensen 2001, section 5.2). If its vertices are connected to the camera alone, it follows the guide of the
+/// paths, if there is one: other techniques would have to weigh these directions, and find what the camera sees by themselves.
 template <typename Visit>
 class LightWalk {
 public:
@@ -21,6 +22,7 @@ public:
               const LightEmission::Start& start, Visit visit)
         : scene_(rays.scene()),
           rules_(rules),
+          guide_(rules.have_others() ? nullptr : paths.guide.get()),
           visit_(std::move(visit)),
           start_(start),
           light_(scene_.lights()[start.sample.light]),
@@ -66,7 +68,6 @@ private:
         auto hit = walk_.surface_hit();
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
-        PathState& path = walk_.at;
         const double n = sums_.merging().applies(false) ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0;
         arrive(scene_.lit(*hit, walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, n,
                rules_.merging.any() && focuses(*hit, walk_.wo()));
@@ -77,16 +78,25 @@ private:
             if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         }
 
-        const ScatteringCoefficients c = vertex.hit->bsdf->coefficients_local(vertex.from_local);
-        const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
-        const float survival = std::min(path.kept * Color(c.diffuse + c.specular).maxCoeff(), most);
-        if (!survives(path.beta, survival, u.roulette())) return false;
-        const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::power, true);
+        const auto next = scattered(vertex, u);
         if (!next) return false;
         step(sums_, vertex, *next, Transport::radiance);
         path_class_ = path_class_.preceded_by(next->lobe);
         walk_.go_on(*vertex.hit, next->wi);
         return true;
+    }
+
+    /// The direction in which the surface scatters the walk.
+    std::optional<ScatteredRay> scattered(const PathVertex& vertex, const VertexNumbers& u) {
+        PathState& path = walk_.at;
+        const SurfaceHit& hit = *vertex.hit;
+        if (const auto known = guide_ ? guide_->at_surface(hit, vertex.from, vertex.from_local) : std::nullopt)
+            return guide_->scatter(*known, walk_, hit, vertex.from_local, u, 1.f, true);
+        const ScatteringCoefficients c = hit.bsdf->coefficients_local(vertex.from_local);
+        const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
+        const float survival = std::min(path.kept * Color(c.diffuse + c.specular).maxCoeff(), most);
+        if (!survives(path.beta, survival, u.roulette())) return std::nullopt;
+        return walk_.scatter(hit, vertex.from_local, u, Transport::power, true);
     }
 
     /// Whether only paths are wanted that merging alone can make, and another technique makes every path to this vertex.
@@ -112,6 +122,7 @@ private:
 
     const Scene& scene_;
     const PathRules& rules_;
+    const LightGuide* guide_;
     Visit visit_;
     const LightEmission::Start& start_;
     const Light& light_;

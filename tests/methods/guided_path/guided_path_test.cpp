@@ -25,7 +25,7 @@ void record_peak(RadianceField& field, const Bounds& box, const Vec3& peak, std:
         const Vec3 p = box.lower + (box.upper - box.lower).cwiseProduct(Vec3(u[0], u[1], u[2]));
         const Vec3 wi = (peak + 0.2f * square_to_sphere(direction.bsdf_lobe())).normalized();
         for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(0, 1, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, 0)}) {
-            field.record(field.place(p, normal), wi, 1, 1, direction);
+            field.record(field.place(p, normal), wi, normal.isZero() ? 1 : std::abs(double{normal.dot(wi)}), direction);
             field.visit(field.place(p, normal), 1, 0.5);
         }
     }

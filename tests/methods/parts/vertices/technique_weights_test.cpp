@@ -1,9 +1,9 @@
 // The weights of all techniques of a path, against the densities of these techniques, listed one by one; and the starts of light
 // walks, half of which are aimed at specular surfaces.
 
+#include "methods/parts/photons/light_emission.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/light_emission.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"
 #include "tests/support/lit_rooms.h"

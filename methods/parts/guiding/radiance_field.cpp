@@ -1,4 +1,4 @@
-#include "methods/guided_path/radiance_field.h"
+#include "methods/parts/guiding/radiance_field.h"
 
 #include "common/sampling/warp.h"
 
@@ -17,8 +17,6 @@ constexpr std::size_t nodes_of_small_tree = 64;
 // The probability to follow the field, which has no light in some directions from where light comes: the weight of the bsdf's
 // directions, at most twice that without a field, bounds what this costs.
 constexpr float selection = 0.5f;
-// The light of leaves with fewer visits counts as unknown.
-constexpr std::uint64_t fewest_visits = 256;
 // Numbers of quanta in the unit, and in the largest value that is recorded whole. Sums hold more than 2^15 of these.
 constexpr double quanta_of_unit = 0x1p28, most_quanta = 0x1p47;
 
@@ -67,10 +65,11 @@ void add(Integer& sum, double quanta) {
 
 }  // namespace
 
-RadianceField::RadianceField(const Bounds& bounds, double unit, double memory)
+RadianceField::RadianceField(const Bounds& bounds, double unit, double memory, std::uint64_t fewest)
     : corner_(bounds.lower),
       edge_((bounds.upper - bounds.lower).maxCoeff()),
       quantum_(unit / quanta_of_unit),
+      fewest_visits_(fewest),
       // Two trees exist while one is made of the other. Leaves take less than a twentieth of the memory of their nodes.
       most_nodes_(
           std::max(static_cast<std::size_t>(memory / (2.1 * sizeof(Node) + sizeof(Sums))), nodes_of_small_tree)),
@@ -137,13 +136,12 @@ RadianceField::Distribution::Sample RadianceField::Distribution::sample(Vec2 u) 
     }
 }
 
-void RadianceField::record(const Place& from, const Vec3& wi, double radiance, double pdf_w, const VertexNumbers& u) {
-    if (!(radiance > 0)) return;
+void RadianceField::record(const Place& from, const Vec3& wi, double light, const VertexNumbers& u) {
+    if (!(light > 0)) return;
     const auto& random = u.all();
     const Vec3 in_cell(random[0] - 0.5f, random[1] - 0.5f, random[2] - 0.5f);
     const Leaf& leaf = leaves_[place(from.p + from.size.cwiseProduct(in_cell), from.normal).leaf];
-    const double cosine = from.normal.isZero() ? 1 : std::abs(double{from.normal.dot(wi)});
-    const double quanta = std::min(radiance * cosine / (pdf_w * quantum_), most_quanta);
+    const double quanta = std::min(light / quantum_, most_quanta);
     Vec2 x = square_of(wi);
     float size = 1.f;
     for (int pass = 0; pass < 2; ++pass) {
@@ -236,7 +234,7 @@ void RadianceField::rebuild(Leaf& leaf, std::size_t most_nodes) {
                                square.cuts + 1});
         }
     }
-    const bool known = leaf.visits >= fewest_visits;
+    const bool known = leaf.visits >= fewest_visits_;
     const double unit = quantum_ / static_cast<double>(std::max<std::uint64_t>(leaf.visits, 1));
     leaf = {.root = root,
             .selection = flux > 0 && known ? selection : 0.f,

@@ -66,15 +66,16 @@ public:
 
     /// `unit` is a typical radiance of the scene [W/(sr m^2)], `memory` the limit [bytes] of all that is stored, also
     /// while it learns.
-    RadianceField(const Bounds& bounds, double unit, double memory);
+    /// The light of leaves with fewer visits than `fewest` counts as unknown.
+    RadianceField(const Bounds& bounds, double unit, double memory, std::uint64_t fewest = 256);
 
     Place place(const Vec3& p, const Vec3& normal) const;
     Distribution at(const Place& place) const { return {nodes_, leaves_[place.leaf]}; }
 
-    /// Adds that a path has found light of this radiance [W/(sr m^2)], luminance, in the direction wi, which it had chosen with
-    /// density pdf_w. `u` moves the place and the direction at random within the size of their cells, which blurs the field
-    /// (Mueller 2019, section 2: spatio-directional filtering).
-    void record(const Place& place, const Vec3& wi, double radiance, double pdf_w, const VertexNumbers& u);
+    /// Adds that a path has found this light in the direction wi: the radiance, times the cosine at a surface, over the density
+    /// with which the path had chosen wi [W/m^2], luminance. `u` moves the place and the direction at random within the size
+    /// of their cells, which blurs the field (Mueller 2019, section 2: spatio-directional filtering).
+    void record(const Place& place, const Vec3& wi, double light, const VertexNumbers& u);
     /// Adds that a path has found this light, reflected here; see Distribution.
     void visit(const Place& place, double reflected, double indirect);
     /// Takes over what has been recorded since the last call. Cuts leaves with more than `crowd` visits, and quadrants with much
@@ -100,6 +101,7 @@ private:
     Vec3 corner_;
     float edge_;  ///< of the cube around the scene
     double quantum_;
+    std::uint64_t fewest_visits_;
     std::size_t most_nodes_;
     std::vector<Box> boxes_;
     std::vector<Leaf> leaves_;

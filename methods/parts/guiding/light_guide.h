@@ -1,0 +1,85 @@
+#pragma once
+// Importance for light's paths: where photons and light vertices are needed, as walks from the camera ("importons") have
+// found it, and the choices of a light's path that follow it. Sources: Peter and Pietrek 1998, "Importance Driven
+// Construction of Photon Maps"; Vorba et al. 2014, "On-line Learning of Parametric Mixture Models for Light Transport
+// Simulation"; Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation".
+//
+// Light's paths are used at the first diffuse surface or event in a medium that the eye sees (with final gathering, at the
+// second). An importon that goes on from there shows, at each place that it comes to, a direction in which light is to be
+// sent. A radiance field stores these directions, and
+//
+//  - half of the light's paths start towards the places where importons have come by, if most others would miss them
+//    (LightEmission);
+//  - directions of scattering have the density a q + (1 - a) p, with the field's q and the bsdf's or phase function's p;
+//  - a path survives with the probability of its power over that of a path that is to be used, `wanted_power`. So paths that
+//    the field sends, of little power, are many, and where they are used their powers are about equal.
+
+#include "methods/method.h"
+#include "methods/parts/guiding/guided_scattering.h"
+#include "methods/parts/photons/light_emission.h"
+#include "methods/parts/transport/path_walk.h"
+
+#include <memory>
+#include <optional>
+
+namespace gib {
+
+inline constexpr std::string_view step_importons = "importons";
+
+enum class Guiding { automatic, on, off };
+/// The parameter `guide`.
+Parameter guide_parameter();
+Guiding guiding_of(const ParameterValues& values);
+/// Adds the step, which is skipped where `why_not` is not empty.
+void add_importons(Plan& plan, Guiding guiding, std::string why_not);
+
+struct GuideSettings {
+    Guiding guiding;
+    int max_edges;
+    bool gathers;      ///< light is used at the second diffuse surface from the eye
+    bool uses_direct;  ///< light that comes straight from a light is used too
+};
+
+class LightGuide {
+public:
+    /// Follows importons.
+    LightGuide(const Scene& scene, const GuideSettings& settings, std::uint64_t seed);
+
+    /// Sets the wanted power, where light of this power is used, over that which leaves the lights.
+    void want(double used) { wanted_power_ = static_cast<float>(std::sqrt(std::min(used, 1.))); }
+
+    /// How paths start, and those that count only after a specular surface; null: as without a guide.
+    const LightEmission* emission() const { return emission_ ? &*emission_ : nullptr; }
+    const LightEmission* caustic_emission() const { return caustic_emission_ ? &*caustic_emission_ : nullptr; }
+
+    /// What the field knows where the path has come to a surface, or to p in a medium; empty where it knows nothing, or no
+    /// lobe can follow it.
+    std::optional<RadianceField::Distribution> at_surface(const SurfaceHit& hit, const Vec3& wo,
+                                                          const Vec3& wo_local) const;
+    std::optional<RadianceField::Distribution> in_medium(const Vec3& p) const;
+
+    /// Scatters the path at a surface and plays roulette, like PathWalk::scatter(). `first_power` is the mean power of a path that starts, in the unit of the path's. Empty if the path ends.
+    std::optional<ScatteredRay> scatter(const RadianceField::Distribution& known, PathWalk& walk, const SurfaceHit& hit,
+                                        const Vec3& wo_local, const VertexNumbers& u, float first_power,
+                                        bool sees_lights) const;
+    /// The same in a medium.
+    std::optional<Vec3> scatter_in_medium(const RadianceField::Distribution& known, PathWalk& walk,
+                                          const VertexNumbers& u, float first_power, bool sees_lights) const;
+
+    std::uint64_t rays() const { return rays_; }
+
+private:
+    bool survives(PathWalk& walk, float first_power, float most, float u) const;
+
+    RadianceField field_;
+    std::optional<LightEmission> emission_, caustic_emission_;
+    float wanted_power_ = 1.f;  ///< over the mean power of a path that starts
+    std::uint64_t rays_ = 0;
+};
+
+/// The guide, if the plan runs importons and either guiding is on or a pilot shows that most light is never used. Adds the
+/// rays traced to `rays`.
+std::shared_ptr<const LightGuide> find_guide(const Scene& scene, const GuideSettings& settings, const Plan& plan,
+                                             std::uint64_t seed, StageTimes& stages, std::uint64_t& rays);
+
+}  // namespace gib
