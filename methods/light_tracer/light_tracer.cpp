@@ -64,6 +64,9 @@ public:
         return images;
     }
     RunCounts counts() const override { return {.rays = rays_, .non_finite = splats_.non_finite()}; }
+    std::vector<std::pair<std::string, std::string>> facts() const override {
+        return {guide_fact(paths_.guide != nullptr)};
+    }
 
 private:
     void trace(RayQueries& rays, const Sampler& sampler, std::uint32_t pass) {

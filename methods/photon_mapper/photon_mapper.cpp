@@ -145,6 +145,10 @@ public:
         return {photons_ + tracing_.photons(), rays_ + tracing_.rays(), film_.non_finite()};
     }
 
+    std::vector<std::pair<std::string, std::string>> facts() const override {
+        return {guide_fact(tracing_.is_guided())};
+    }
+
     /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;

@@ -75,7 +75,7 @@ public:
     /// The radii of the first pass [scene diagonals].
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {radius_fact("radius", first_.global, scene_), radius_fact("caustic_radius", first_.caustic, scene_),
-                radius_fact("volume_radius", first_.volume, scene_)};
+                radius_fact("volume_radius", first_.volume, scene_), guide_fact(tracing_.is_guided())};
     }
 
     StoredLight stored_light() const override {

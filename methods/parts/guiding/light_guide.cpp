@@ -282,6 +282,13 @@ std::optional<RadianceField::Distribution> LightGuide::in_medium(const Vec3& p) 
     return known.selection() > 0.f ? std::optional(known) : std::nullopt;
 }
 
+/// The probability of following the field. A path that has become more powerful than any start, by going where the field does not
+/// lead, follows the bsdf alone, since such weights must not multiply.
+float LightGuide::selection(const PathWalk& walk, float first_power) const {
+    const float ordinary = emission_ ? emission_->ordinary_power() : 1.f;
+    return walk.at.beta.maxCoeff() > ordinary * first_power ? 0.f : by_field;
+}
+
 bool LightGuide::survives(PathWalk& walk, float first_power, float most, float u) const {
     Color& beta = walk.at.beta;
     if (!beta.isFinite().all()) return false;
@@ -291,7 +298,7 @@ bool LightGuide::survives(PathWalk& walk, float first_power, float most, float u
 std::optional<ScatteredRay> LightGuide::scatter(const RadianceField::Distribution& known, PathWalk& walk,
                                                 const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
                                                 float first_power, bool sees_lights) const {
-    const auto next = scatter_by_mixture(known, by_field, hit, wo_local, u, Transport::power);
+    const auto next = scatter_by_mixture(known, selection(walk, first_power), hit, wo_local, u, Transport::power);
     if (!next) return std::nullopt;
     walk.take(*next, sees_lights);
     if (!survives(walk, first_power, most_survival(walk.at.vertex), u.roulette())) return std::nullopt;
@@ -300,7 +307,8 @@ std::optional<ScatteredRay> LightGuide::scatter(const RadianceField::Distributio
 
 std::optional<Vec3> LightGuide::scatter_in_medium(const RadianceField::Distribution& known, PathWalk& walk,
                                                   const VertexNumbers& u, float first_power, bool sees_lights) const {
-    const auto [wi, by_phase, pdf_w] = scatter_by_mixture(known, by_field, walk.at.medium->phase(), walk.wo(), u);
+    const auto [wi, by_phase, pdf_w] =
+        scatter_by_mixture(known, selection(walk, first_power), walk.at.medium->phase(), walk.wo(), u);
     walk.at.beta *= by_phase / pdf_w;
     walk.at.pdf_w = sees_lights ? by_phase : infinity;
     if (!survives(walk, first_power, most_survival(walk.at.vertex), u.roulette())) return std::nullopt;

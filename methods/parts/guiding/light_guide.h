@@ -69,6 +69,7 @@ public:
     std::uint64_t rays() const { return rays_; }
 
 private:
+    float selection(const PathWalk& walk, float first_power) const;
     bool survives(PathWalk& walk, float first_power, float most, float u) const;
 
     RadianceField field_;
@@ -81,5 +82,8 @@ private:
 /// rays traced to `rays`.
 std::shared_ptr<const LightGuide> find_guide(const Scene& scene, const GuideSettings& settings, const Plan& plan,
                                              std::uint64_t seed, StageTimes& stages, std::uint64_t& rays);
+
+/// The fact whether a guide was found.
+inline std::pair<std::string, std::string> guide_fact(bool is_guided) { return {"guided", is_guided ? "yes" : "no"}; }
 
 }  // namespace gib

@@ -38,6 +38,8 @@ public:
     /// Empty where the start belongs to the other kind.
     std::optional<Start> sample(const Sampler& sampler) const;
 
+    /// The power of ordinary starts over the mean of all.
+    float ordinary_power() const { return static_cast<float>(maps_.size() + 1); }
     /// The density of starts of a light at p, or for a light at infinity on the line through p, in direction w.
     double density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const;
 

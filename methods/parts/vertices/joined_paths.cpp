@@ -70,7 +70,9 @@ public:
     }
 
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        return merged_ ? merged_->facts() : std::vector<std::pair<std::string, std::string>>{};
+        auto facts = merged_ ? merged_->facts() : std::vector<std::pair<std::string, std::string>>{};
+        facts.push_back(guide_fact(paths_.guide != nullptr));
+        return facts;
     }
 
 private:
