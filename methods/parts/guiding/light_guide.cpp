@@ -282,11 +282,11 @@ std::optional<RadianceField::Distribution> LightGuide::in_medium(const Vec3& p) 
     return known.selection() > 0.f ? std::optional(known) : std::nullopt;
 }
 
-/// The probability of following the field. A path that has become more powerful than any start, by going where the field does not
-/// lead, follows the bsdf alone, since such weights must not multiply.
+/// The probability of following the field. A path that has become more powerful than most starts, by going where the field does
+/// not lead, follows the bsdf alone, since such weights must not multiply.
 float LightGuide::selection(const PathWalk& walk, float first_power) const {
     const float ordinary = emission_ ? emission_->ordinary_power() : 1.f;
-    return walk.at.beta.maxCoeff() > ordinary * first_power ? 0.f : by_field;
+    return walk.at.beta.maxCoeff() > 1.5f * ordinary * first_power ? 0.f : by_field;
 }
 
 bool LightGuide::survives(PathWalk& walk, float first_power, float most, float u) const {
