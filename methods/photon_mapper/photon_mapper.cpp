@@ -14,7 +14,7 @@
 // the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
+// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, guide, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
 // (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.

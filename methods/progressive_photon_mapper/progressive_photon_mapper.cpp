@@ -7,7 +7,7 @@
 // radius shrinks by the law of parts/density/shrinking_radius.h.
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
-// volume, kernel, area, projection; spp and max_depth as for all methods.
+// volume, kernel, area, projection, guide; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.

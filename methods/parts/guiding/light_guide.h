@@ -14,36 +14,19 @@
 //  - a path survives with the probability of its power over that of a path that is to be used, `wanted_power`. So paths that
 //    the field sends, of little power, are many, and where they are used their powers are about equal.
 
-#include "methods/method.h"
+#include "methods/parts/emission/light_emission.h"
 #include "methods/parts/guiding/guided_scattering.h"
-#include "methods/parts/photons/light_emission.h"
+#include "methods/parts/guiding/importons.h"
 #include "methods/parts/transport/path_walk.h"
 
-#include <memory>
 #include <optional>
 
 namespace gib {
 
-inline constexpr std::string_view step_importons = "importons";
-
-enum class Guiding { automatic, on, off };
-/// The parameter `guide`.
-Parameter guide_parameter();
-Guiding guiding_of(const ParameterValues& values);
-/// Adds the step, which is skipped where `why_not` is not empty.
-void add_importons(Plan& plan, Guiding guiding, std::string why_not);
-
-struct GuideSettings {
-    Guiding guiding;
-    int max_edges;
-    bool gathers;      ///< light is used at the second diffuse surface from the eye
-    bool uses_direct;  ///< light that comes straight from a light is used too
-};
-
 class LightGuide {
 public:
     /// Follows importons.
-    LightGuide(const Scene& scene, const GuideSettings& settings, std::uint64_t seed);
+    LightGuide(const Scene& scene, const LightUse& use, std::uint64_t seed);
 
     /// Sets the wanted power, where light of this power is used, over that which leaves the lights.
     void want(double used) { wanted_power_ = static_cast<float>(std::sqrt(std::min(used, 1.))); }
@@ -77,13 +60,5 @@ private:
     float wanted_power_ = 1.f;  ///< over the mean power of a path that starts
     std::uint64_t rays_ = 0;
 };
-
-/// The guide, if the plan runs importons and either guiding is on or a pilot shows that most light is never used. Adds the
-/// rays traced to `rays`.
-std::shared_ptr<const LightGuide> find_guide(const Scene& scene, const GuideSettings& settings, const Plan& plan,
-                                             std::uint64_t seed, StageTimes& stages, std::uint64_t& rays);
-
-/// The fact whether a guide was found.
-inline std::pair<std::string, std::string> guide_fact(bool is_guided) { return {"guided", is_guided ? "yes" : "no"}; }
 
 }  // namespace gib

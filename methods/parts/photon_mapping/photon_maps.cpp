@@ -108,7 +108,7 @@ Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& s
 
 void PhotonTracing::find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed) {
     guide_ =
-        gib::find_guide(scene_, {settings.guiding, settings.max_edges, gathers, gathers}, plan, seed, stages_, rays_);
+        gib::find_guide(scene_, settings.guiding, {settings.max_edges, gathers, gathers}, plan, seed, stages_, rays_);
 }
 
 PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,

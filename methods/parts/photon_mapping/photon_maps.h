@@ -4,9 +4,9 @@
 
 #include "methods/method.h"
 #include "methods/parts/density/radius_along_rays.h"
-#include "methods/parts/guiding/light_guide.h"
+#include "methods/parts/emission/projection_map.h"
+#include "methods/parts/photons/find_guide.h"
 #include "methods/parts/photons/photon_walk.h"
-#include "methods/parts/photons/projection_map.h"
 
 #include <memory>
 
@@ -67,7 +67,7 @@ public:
     PhotonTracing(const Scene& scene, int max_edges, StageTimes& stages)
         : scene_(scene), max_edges_(max_edges), stages_(stages) {}
 
-    /// Has later photons follow importance, if the plan runs importons and it pays. `gathers` as of GuideSettings.
+    /// Has later photons follow importance, if the plan runs importons and it pays. `gathers` as of LightUse.
     void find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed);
 
     /// Emits `count` photons for a map of this kind. `aim` may be null.

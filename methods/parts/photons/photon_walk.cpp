@@ -5,7 +5,7 @@
 #include "methods/method.h"
 #include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/blocks_within_memory.h"
-#include "methods/parts/photons/projection_map.h"
+#include "methods/parts/emission/projection_map.h"
 #include "methods/parts/transport/path_walk.h"
 
 #include <algorithm>

@@ -26,7 +26,7 @@ public:
           points_(settings.points),
           runs_(plan.runs(step_eye_paths)),
           paths_(scene, plan, stages,
-                 find_guide(scene, {settings.guiding, settings.max_edges, false, true}, plan, seed, stages, rays_)),
+                 find_guide(scene, settings.guiding, {settings.max_edges, false, true}, plan, seed, stages, rays_)),
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
           splats_(width(), height(), shown.accumulated, paths_.sum_unit),

@@ -2,7 +2,7 @@
 // Shared by the methods of light paths: how many paths there are, how they start, and the units of their light.
 
 #include "methods/method.h"
-#include "methods/parts/guiding/light_guide.h"
+#include "methods/parts/photons/find_guide.h"
 
 namespace gib {
 

@@ -2,6 +2,7 @@
 // guide has learned.
 #include "methods/parts/guiding/light_guide.h"
 
+#include "methods/parts/photons/find_guide.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/same_means.h"
@@ -13,7 +14,7 @@ namespace {
 
 using namespace lit_rooms;
 
-constexpr GuideSettings photons = {Guiding::on, 64, false, false}, all_light = {Guiding::on, 64, false, true};
+constexpr LightUse photons = {64, false, false}, all_light = {64, false, true};
 
 /// A closed hall of 16 x 5 x 16 under a lamp, a block in one corner, and a camera that looks at it.
 std::string hall_xml(const std::string& look) {
@@ -30,12 +31,12 @@ const std::string at_the_corner = look_at("-4, 1.6, -4", "-6.4, 0.4, -6.4"), els
 /// Whether a photon lies where the first camera looks: in the corner, below its height.
 bool is_seen(const Photon& photon) { return photon.p.x() < -5 && photon.p.z() < -5 && photon.p.y() < 1; }
 
-std::shared_ptr<const LightGuide> guide_of(const gib::Scene& scene, const GuideSettings& settings) {
+std::shared_ptr<const LightGuide> guide_of(const gib::Scene& scene, const LightUse& use) {
     Plan plan;
     add_importons(plan, Guiding::on, "");
     StageTimes stages;
     std::uint64_t rays = 0;
-    return find_guide(scene, settings, plan, 1, stages, rays);
+    return find_guide(scene, Guiding::on, use, plan, 1, stages, rays);
 }
 
 PhotonWalkResult walk_of(const gib::Scene& scene, PhotonMapKind kind, std::uint64_t count, std::uint64_t seed,
@@ -129,17 +130,15 @@ TEST(LightGuide, IsTheSameForAnyNumberOfThreads) {
 }
 
 // Where nearly all photons are seen, nothing is guided, and no image changes.
-TEST(LightGuide, IsLeftOutWhereLightIsSeen) {
+TEST(GuideChoice, LeavesTheGuideOutWhereLightIsSeen) {
     const LoadedScene scene = scene_of(room_xml({.light = lamp, .glossy_wall = "", .ball = diffuse_ball}));
     StageTimes stages;
     std::uint64_t rays = 0;
     Plan plan;
     add_importons(plan, Guiding::automatic, "");
-    GuideSettings automatic = all_light;
-    automatic.guiding = Guiding::automatic;
-    EXPECT_EQ(find_guide(*scene.scene, automatic, plan, 1, stages, rays), nullptr);
+    EXPECT_EQ(find_guide(*scene.scene, Guiding::automatic, all_light, plan, 1, stages, rays), nullptr);
     const LoadedScene hall = scene_of(hall_xml(at_the_corner));
-    EXPECT_NE(find_guide(*hall.scene, automatic, plan, 1, stages, rays), nullptr);
+    EXPECT_NE(find_guide(*hall.scene, Guiding::automatic, all_light, plan, 1, stages, rays), nullptr);
 }
 
 }  // namespace

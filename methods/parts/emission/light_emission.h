@@ -1,7 +1,7 @@
 #pragma once
 // How the light's walks of a scene start.
 //
-// Starts may be aimed by projection maps (methods/parts/photons/projection_map.h): at specular surfaces where most light can
+// Starts may be aimed by projection maps (methods/parts/emission/projection_map.h): at specular surfaces where most light can
 // reach none, because caustics need them; or at the places that a guide has found (methods/parts/guiding/light_guide.h), by
 // several maps, each with all targets of the one before. The kinds of starts share the rays: a ray belongs to the first map
 // of which it meets a target, or to the ordinary starts. A start of another kind than that by which it was made is dropped,
@@ -14,7 +14,7 @@
 // and V_l. No light is lost, since a map holds all rays that meet a target.
 
 #include "common/sampling/sampler.h"
-#include "methods/parts/photons/projection_map.h"
+#include "methods/parts/emission/projection_map.h"
 
 #include <memory>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "methods/parts/photons/light_emission.h"
+#include "methods/parts/emission/light_emission.h"
 
 #include "common/scene/scene.h"
 

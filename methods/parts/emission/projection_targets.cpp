@@ -1,4 +1,4 @@
-#include "methods/parts/photons/projection_targets.h"
+#include "methods/parts/emission/projection_targets.h"
 
 #include "common/core/parallel.h"
 #include "common/scene/scene.h"

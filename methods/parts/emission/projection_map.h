@@ -16,7 +16,7 @@
 // ray of a dropped bin reaches a target. Jensen scales by the fraction of bins that are kept. Here bins differ in
 // size, so their volume takes the place of their number: the share of the random numbers that lead to kept rays.
 
-#include "methods/parts/photons/projection_targets.h"
+#include "methods/parts/emission/projection_targets.h"
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 // Projection maps: the bounds of emission hold for every kind of light, no bin is dropped that can reach a target,
 // and aimed photons carry the same power as others.
-#include "methods/parts/photons/projection_map.h"
+#include "methods/parts/emission/projection_map.h"
 
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/light_fixtures.h"

@@ -1,0 +1,84 @@
+#include "methods/parts/photons/find_guide.h"
+
+#include "methods/parts/guiding/importons.h"
+#include "methods/parts/photons/photon_walk.h"
+
+#include <algorithm>
+
+namespace gib {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> guiding_names = {"auto", "on", "off"};
+
+constexpr std::uint64_t pilot_key = 0x9071;  // keeps the pilot's numbers apart from those of the image
+constexpr std::uint64_t pilot_photons = 8192;
+constexpr std::size_t pilot_eyes = 8192;
+/// `auto` guides if less of the light is used.
+constexpr double most_used = 0.15;
+constexpr double least_used = 1e-6;
+
+/// Photons' power that is stored where light is used, over that which leaves the lights, as a pilot finds it.
+class UsedLight {
+public:
+    UsedLight(const Scene& scene, const LightUse& use, std::uint64_t seed)
+        : scene_(scene), use_(use), seed_(combine_keys(seed, pilot_key)) {
+        const ImportonPlaces eyes = follow_importons(scene, use, pilot_eyes, seed_, nullptr);
+        rays_ = eyes.rays;
+        cells_.emplace(scene, eyes.used);
+        seen_ = cells_->weights(eyes.used);
+    }
+
+    double share(const LightGuide* guide) {
+        const PhotonMapKind kind = use_.uses_direct ? PhotonMapKind::full : PhotonMapKind::global;
+        const PhotonWalkResult pilot = trace_photons(scene_, kind, pilot_photons, use_.max_edges,
+                                                     combine_keys(seed_, 1), nullptr, nullptr, nullptr, guide);
+        rays_ += pilot.rays;
+        double used = 0;
+        for (const Photon& photon : pilot.photons)
+            if (seen_.contains(cells_->of(photon.p))) used += double{photon.power().maxCoeff()};
+        return used * pilot.unit / scene_.emitted_power().maxCoeff();
+    }
+    std::uint64_t rays() const { return rays_; }
+
+private:
+    const Scene& scene_;
+    const LightUse& use_;
+    std::uint64_t seed_, rays_ = 0;
+    std::optional<Cells> cells_;
+    std::map<Cells::Index, double> seen_;
+};
+
+}  // namespace
+
+Parameter guide_parameter() {
+    return choice_parameter(
+        "guide", strings(guiding_names),
+        "light's paths follow the importance that walks from the camera find; auto: where most light "
+        "would never be used");
+}
+
+Guiding guiding_of(const ParameterValues& values) { return chosen<Guiding>(guiding_names, values.choice("guide")); }
+
+void add_importons(Plan& plan, Guiding guiding, std::string why_not) {
+    plan.add(step_importons, guiding == Guiding::off ? "guide=off" : std::move(why_not));
+}
+
+std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding, const LightUse& use, const Plan& plan,
+                                             std::uint64_t seed, StageTimes& stages, std::uint64_t& rays) {
+    if (!plan.runs(step_importons)) return nullptr;
+    const auto timer = stages.time(step_importons);
+    UsedLight used(scene, use, seed);
+    std::shared_ptr<LightGuide> guide;
+    const double unguided = used.share(nullptr);
+    if (guiding == Guiding::on || unguided < most_used) {
+        guide = std::make_shared<LightGuide>(scene, use, seed);
+        guide->want(std::max(unguided, least_used));
+        guide->want(std::max(used.share(guide.get()), least_used));
+        rays += guide->rays();
+    }
+    rays += used.rays();
+    return guide;
+}
+
+}  // namespace gib
