@@ -35,7 +35,7 @@ public:
           rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
           follows_(plan.runs(step_light_paths)),
-          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_)),
+          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_), true),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}

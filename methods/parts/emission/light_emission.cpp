@@ -14,10 +14,10 @@ constexpr double most_kept = 0.35;
 
 }  // namespace
 
-LightEmission LightEmission::at_specular(const Scene& scene) {
+LightEmission::Maps LightEmission::towards_specular(const Scene& scene) {
     auto map = std::make_shared<ProjectionMap>(scene, TargetSurfaces::specular, most_bins);
     const bool pays = !map->empty() && map->kept_power() <= most_kept;
-    return LightEmission(scene, pays ? Maps{std::move(map)} : Maps());
+    return pays ? Maps{std::move(map)} : Maps();
 }
 
 std::size_t LightEmission::kind_of(std::uint32_t light, const Vec3& p, const Vec3& w) const {

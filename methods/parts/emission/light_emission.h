@@ -27,8 +27,8 @@ public:
     using Maps = std::vector<std::shared_ptr<const ProjectionMap>>;
     /// Without maps all starts are ordinary.
     explicit LightEmission(const Scene& scene, Maps maps = {}) : scene_(&scene), maps_(std::move(maps)) {}
-    /// Aims at specular surfaces, if most emission cannot reach any.
-    static LightEmission at_specular(const Scene& scene);
+    /// The map that aims at specular surfaces, if most emission cannot reach any.
+    static Maps towards_specular(const Scene& scene);
 
     struct Start {
         EmissionSample sample;  ///< sample whose power has been divided by the density [W]

@@ -15,7 +15,7 @@ constexpr std::uint64_t fewest_visits = 32;
 constexpr double crowd = 1024;  // visits of a leaf, see RadianceField::learn()
 /// Importons of the first and of the last round, after each of which the field learns; each round has twice as many as the one
 /// before.
-constexpr std::size_t first_round = 1 << 12, last_round = 1 << 15;
+constexpr std::size_t first_round = 1 << 11, last_round = 1 << 14;
 /// The probability of following the field: a direction that it leaves out weighs 1 / (1 - a).
 constexpr float by_field = 0.75f;
 constexpr std::size_t most_bins = 1 << 12;
@@ -44,19 +44,24 @@ std::vector<ProjectionTargets::Ball> balls_around(const Cells& cells, const std:
     return balls;
 }
 
-/// Starts towards the places that need light most, and towards ever more of them, by maps that drop most of the emission and
-/// differ from each other; none without such a map.
-std::optional<LightEmission> emission_towards(const Scene& scene, const std::vector<ImportonVertex>& places) {
+/// Starts towards the places that need light most, and towards ever more of them, by maps that drop most of the emission, and most
+/// of that of `others`, and differ from each other; none without such a map. The others follow.
+std::optional<LightEmission> emission_towards(const Scene& scene, const std::vector<ImportonVertex>& places,
+                                              const LightEmission::Maps& others = {}) {
     const Cells cells(scene, places);
     const auto weights = cells.weights(places);
     LightEmission::Maps maps;
     for (const double share : {0.98, 0.9, 0.7, 0.4}) {
         auto map =
             std::make_shared<ProjectionMap>(scene, ProjectionTargets(balls_around(cells, weights, share)), most_bins);
-        const double most = maps.empty() ? most_kept : 0.5 * maps.front()->kept_power();
+        const double most = !maps.empty()    ? 0.5 * maps.front()->kept_power()
+                            : others.empty() ? most_kept
+                                             : 0.2 * others.front()->kept_power();
         if (!map->empty() && map->kept_power() <= most) maps.insert(maps.begin(), std::move(map));
     }
-    return maps.empty() ? std::nullopt : std::optional(LightEmission(scene, std::move(maps)));
+    if (maps.empty()) return std::nullopt;
+    maps.insert(maps.end(), others.begin(), others.end());
+    return LightEmission(scene, std::move(maps));
 }
 
 }  // namespace
@@ -71,7 +76,7 @@ LightGuide::LightGuide(const Scene& scene, const LightUse& use, std::uint64_t se
     }
     if (use.uses_direct) last.needed.insert(last.needed.end(), last.used.begin(), last.used.end());
     emission_ = emission_towards(scene, last.needed);
-    caustic_emission_ = emission_towards(scene, last.specular);
+    caustic_emission_ = emission_towards(scene, last.specular, LightEmission::towards_specular(scene));
 }
 
 std::optional<RadianceField::Distribution> LightGuide::at_surface(const SurfaceHit& hit, const Vec3& wo,

@@ -12,10 +12,10 @@ namespace {
 constexpr std::array<std::string_view, 3> guiding_names = {"auto", "on", "off"};
 
 constexpr std::uint64_t pilot_key = 0x9071;  // keeps the pilot's numbers apart from those of the image
-constexpr std::uint64_t pilot_photons = 8192;
-constexpr std::size_t pilot_eyes = 8192;
-/// `auto` guides if less of the light is used.
-constexpr double most_used = 0.15;
+constexpr std::uint64_t pilot_photons = 4096;
+constexpr std::size_t pilot_eyes = 4096;
+/// `auto` guides if less of the light reaches places that are seen: in the library, where the eye sees a corner of the scene.
+constexpr double most_used = 0.05;
 constexpr double least_used = 1e-6;
 
 /// Photons' power that is stored where light is used, over that which leaves the lights, as a pilot finds it.
@@ -29,8 +29,7 @@ public:
         seen_ = cells_->weights(eyes.used);
     }
 
-    double share(const LightGuide* guide) {
-        const PhotonMapKind kind = use_.uses_direct ? PhotonMapKind::full : PhotonMapKind::global;
+    double share(PhotonMapKind kind, const LightGuide* guide) {
         const PhotonWalkResult pilot = trace_photons(scene_, kind, pilot_photons, use_.max_edges,
                                                      combine_keys(seed_, 1), nullptr, nullptr, nullptr, guide);
         rays_ += pilot.rays;
@@ -70,11 +69,11 @@ std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding
     const auto timer = stages.time(step_importons);
     UsedLight used(scene, use, seed);
     std::shared_ptr<LightGuide> guide;
-    const double unguided = used.share(nullptr);
+    const double unguided = used.share(PhotonMapKind::full, nullptr);
     if (guiding == Guiding::on || unguided < most_used) {
         guide = std::make_shared<LightGuide>(scene, use, seed);
         guide->want(std::max(unguided, least_used));
-        guide->want(std::max(used.share(guide.get()), least_used));
+        guide->want(std::max(used.share(use.uses_direct ? PhotonMapKind::full : PhotonMapKind::global, guide.get()), least_used));
         rays += guide->rays();
     }
     rays += used.rays();

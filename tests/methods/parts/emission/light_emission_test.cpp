@@ -21,6 +21,10 @@ LoadedScene room_with_glass(const std::string& light) {
     return room({.light = light, .glossy_wall = "", .ball = glass_ball});
 }
 
+LightEmission at_specular(const gib::Scene& scene) {
+    return LightEmission(scene, LightEmission::towards_specular(scene));
+}
+
 /// Starts that two maps aim, at a ball and at a larger one around it.
 LightEmission aimed_at_balls(const gib::Scene& scene) {
     LightEmission::Maps maps;
@@ -37,7 +41,7 @@ TEST(LightEmission, CarriesThePowerOfTheLights) {
     for (const std::string& light :
          {small_lamp, shining_ball, lit_rooms::point, spot, sun, sky, small_lamp + lit_rooms::point + sun}) {
         const LoadedScene loaded = room_with_glass(light);
-        for (const LightEmission& aimed : {LightEmission::at_specular(*loaded.scene), aimed_at_balls(*loaded.scene)}) {
+        for (const LightEmission& aimed : {at_specular(*loaded.scene), aimed_at_balls(*loaded.scene)}) {
             Moments power;
             for (std::uint32_t i = 0; i < count; ++i) {
                 const auto start = aimed.sample(Sampler(PointSet::independent, 1, i, 0));
@@ -60,7 +64,7 @@ TEST(LightEmission, DensityIsThatOfTheStarts) {
             return start ? start->sample.power.sum() * start->density / double{start->cos_light} : 0;
         };
         const double expected = emitted(LightEmission(*loaded.scene), 0);
-        for (const LightEmission& aimed : {LightEmission::at_specular(*loaded.scene), aimed_at_balls(*loaded.scene)})
+        for (const LightEmission& aimed : {at_specular(*loaded.scene), aimed_at_balls(*loaded.scene)})
             for (std::uint32_t i = 0; i < 1000; ++i) {
                 const double value = emitted(aimed, i);
                 if (value != 0) {
@@ -73,7 +77,7 @@ TEST(LightEmission, DensityIsThatOfTheStarts) {
 TEST(LightEmission, SendsMoreStartsToSpecularSurfaces) {
     const LoadedScene loaded = room_with_glass(small_lamp);
     const auto share = [&](bool aims) {
-        const LightEmission emission = aims ? LightEmission::at_specular(*loaded.scene) : LightEmission(*loaded.scene);
+        const LightEmission emission = aims ? at_specular(*loaded.scene) : LightEmission(*loaded.scene);
         double hits = 0;
         for (std::uint32_t i = 0; i < count; ++i)
             if (const auto start = emission.sample(Sampler(PointSet::independent, 3, i, 0))) {
@@ -86,8 +90,7 @@ TEST(LightEmission, SendsMoreStartsToSpecularSurfaces) {
     // Without a specular surface there is nothing to aim at.
     const LoadedScene plain = room({.light = small_lamp, .glossy_wall = "", .ball = diffuse_ball});
     const Sampler sampler(PointSet::independent, 4, 0, 0);
-    EXPECT_EQ(LightEmission::at_specular(*plain.scene).sample(sampler)->density,
-              LightEmission(*plain.scene).sample(sampler)->density);
+    EXPECT_EQ(at_specular(*plain.scene).sample(sampler)->density, LightEmission(*plain.scene).sample(sampler)->density);
 }
 
 }  // namespace
