@@ -15,7 +15,7 @@ constexpr std::uint64_t fewest_visits = 32;
 constexpr double crowd = 1024;  // visits of a leaf, see RadianceField::learn()
 /// Importons of the first and of the last round, after each of which the field learns; each round has twice as many as the one
 /// before.
-constexpr std::size_t first_round = 1 << 11, last_round = 1 << 14;
+constexpr std::size_t first_round = 1 << 12, last_round = 1 << 15;
 /// The probability of following the field: a direction that it leaves out weighs 1 / (1 - a).
 constexpr float by_field = 0.75f;
 constexpr std::size_t most_bins = 1 << 12;
@@ -74,8 +74,7 @@ LightGuide::LightGuide(const Scene& scene, const LightUse& use, std::uint64_t se
         field_.learn(crowd);
         rays_ += last.rays;
     }
-    if (use.uses_direct) last.needed.insert(last.needed.end(), last.used.begin(), last.used.end());
-    emission_ = emission_towards(scene, last.needed);
+    emission_ = emission_towards(scene, last.lit);
     caustic_emission_ = emission_towards(scene, last.specular, LightEmission::towards_specular(scene));
 }
 

@@ -29,7 +29,9 @@ public:
     LightGuide(const Scene& scene, const LightUse& use, std::uint64_t seed);
 
     /// Sets the wanted power, where light of this power is used, over that which leaves the lights.
-    void want(double used) { wanted_power_ = static_cast<float>(std::sqrt(std::min(used, 1.))); }
+    void want(double used) {
+        wanted_power_ = static_cast<float>(std::pow(std::min(used, 1.), getenv("EX") ? atof(getenv("EX")) : 0.5));
+    }
 
     /// How paths start, and those that count only after a specular surface; null: as without a guide.
     const LightEmission* emission() const { return emission_ ? &*emission_ : nullptr; }
@@ -50,6 +52,7 @@ public:
                                           const VertexNumbers& u, float first_power, bool sees_lights) const;
 
     std::uint64_t rays() const { return rays_; }
+    const RadianceField& field() const { return field_; }
 
 private:
     float selection(const PathWalk& walk, float first_power) const;
