@@ -36,6 +36,28 @@ TEST(Coating, AMirrorUnderACoatHasTwoReflections) {
                     1e-5);
 }
 
+TEST(Coating, ItsAbsorptionMayVaryOverTheSurface) {
+    const auto material_of = [](const std::string& absorption) {
+        return load(shape("rectangle", bsdf("coating", indices, number("thickness", 2), absorption, bsdf("diffuse"))))
+            .scene;
+    };
+    const auto f = [](const Bsdf& b) { return b.f_local(at(20), at(50, 70)).sum(); };
+    const std::string squares =
+        named("texture", "sigma_a", "checkerboard", rgb("color0", "0.1 0.2 3"), rgb("color1", 0));
+    const auto varying = material_of(squares);
+    EXPECT_EQ(varying->material_of_shape(0).constant(), nullptr);
+    for (const auto& [u, value] : {std::pair(0.25f, "0.1 0.2 3"), {0.75f, "0 0 0"}}) {
+        const MaterialPoint point{.uv = Vec2(u, 0.25f),
+                                  .ng = Vec3::UnitZ(),
+                                  .dp_du = Vec3::UnitX(),
+                                  .dp_dv = Vec3::UnitY(),
+                                  .shading = Frame(Vec3::UnitZ())};
+        const auto constant = material_of(rgb("sigma_a", value));
+        EXPECT_TRUE((f(varying->material_of_shape(0).at(point)) == f(*constant->material_of_shape(0).constant())).all())
+            << value;
+    }
+}
+
 // A diffuse base under a coat is that of a plastic without the light that the plastic reflects back inside: without
 // specular reflection, plastic's f is rho T T / (pi eta^2 (1 - rho R)).
 TEST(Coating, ADiffuseBaseIsThatOfAPlasticWithoutInternalReflection) {
