@@ -115,6 +115,20 @@ TEST(RoughDiffuse, HasItsPublishedValues) {
     EXPECT_GT(f("", at(60), at(60)), 1.5 * f("", at(60), at(60, 180)));
 }
 
+TEST(Ward, FilesOfMitsuba06MayGiveOneRoughness) {
+    const auto f = [](const std::string& version, const std::string& roughness) {
+        const std::string ward = bsdf("ward", roughness), xml = shape("rectangle", ward);
+        return parse_scene("<scene version='" + version + "'>" + sensor_xml + xml + "</scene>", "t.xml")
+            .scene->material_of_shape(0)
+            .constant()
+            ->f_local(at(10), at(30))
+            .sum()[0];
+    };
+    const auto both = [](double u, double v) { return number("alpha_u", u) + number("alpha_v", v); };
+    EXPECT_EQ(f("0.5.0", number("alpha", 0.4)), f("3.0.0", both(0.4, 0.4)));
+    EXPECT_EQ(f("0.5.0", number("alpha", 0.4) + number("alphaV", 0.2)), f("3.0.0", both(0.4, 0.2)));
+}
+
 // At normal incidence in the mirror direction all three are rho_s / (4 pi alpha_u alpha_v).
 TEST(Ward, VariantsAgreeStraightDown) {
     for (const std::string variant : {"balanced", "ward", "ward-duer"}) {

@@ -9,6 +9,7 @@
 namespace gib::test::forgiven_faults_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 
 const std::string ball = shape("sphere");
@@ -163,6 +164,29 @@ TEST(ForgivenFaults, AFileWithoutASensorIsToldWhatItLacks) {
                                 "t.xml");
                 }),
                 StartsWith("t.xml:3:1: the scene has no sensor: this one would measure the element that it stands in"));
+}
+
+TEST(ForgivenFaults, OldFilesMayHaveParametersThatNobodyKnows) {
+    const std::string body = shape("sphere", "\n", text("comment", "x"), bsdf("diffuse"));
+    EXPECT_THAT(
+        load_version(" version='0.6.0'", body).warnings,
+        ElementsAre(AllOf(HasSubstr("t.xml:3:1: shape 'sphere' does not take a parameter 'comment', which has no "
+                                    "effect; it takes: "),
+                          HasSubstr("radius"))));
+    for (const auto& [version, wrong] :
+         {std::pair(" version='2.0.0'", body),
+          {" version='0.6.0'", shape("sphere", element("film", "hdrfilm"))},
+          {" version='0.6.0'", shape("sphere", value_element("integer", "shapeIndex", "1"))}})
+        EXPECT_THAT(input_error_of([&] { load_version(version, wrong); }), HasSubstr("shape 'sphere' does not take a"));
+}
+
+TEST(ForgivenFaults, OldFilesMayGiveAValueTwice) {
+    const std::string twice = shape("sphere", radius(2), "\n", radius(3));
+    const LoadedScene loaded = load_version(" version='0.5.0'", twice);
+    EXPECT_EQ(radius_of(loaded), 3);
+    EXPECT_THAT(loaded.warnings,
+                ElementsAre(HasSubstr("t.xml:3:1: 'radius' is given twice, first at line 2: the last")));
+    EXPECT_THAT(input_error_of([&] { load_version(" version='3.0.0'", twice); }), HasSubstr("'radius' is given twice"));
 }
 
 TEST(ForgivenFaults, APathWithoutAFolderIsThatOfTheScene) {
