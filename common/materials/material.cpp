@@ -110,8 +110,13 @@ private:
     void add(const Coating& node, Passage passage) {
         add(*node.surface, passage);
         if (node.nested->two_sided()) add(*node.surface, turned_over(passage));
-        passage.coat = node.coat;
+        passage.coat = node.absorption.constant() ? node.coat : coat_here(node);
         add(*node.nested, passage);
+    }
+    std::shared_ptr<const Coat> coat_here(const Coating& node) const {
+        Coat coat = *node.coat;
+        coat.absorption = node.absorption.color(point_.texture_point()).max(0.f) * node.thickness;
+        return std::make_shared<const Coat>(std::move(coat));
     }
     static Passage turned_over(Passage passage) {
         passage.flipped = !passage.flipped;
@@ -232,6 +237,7 @@ Material::Material(Node node) : node_(std::move(node)) {
     } else if (const auto* coating = std::get_if<Coating>(&node_)) {
         nest(coating->surface);
         nest(coating->nested);
+        vary(coating->absorption);
         if (two_sided_) models_ += coating->surface->models_;
         is_coated_ = true;
     } else {

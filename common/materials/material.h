@@ -43,6 +43,8 @@ struct TwoSided {
 /// A clear coat over another material, which must not tilt normals or let light pass.
 struct Coating {
     std::shared_ptr<const Coat> coat;
+    Texture absorption;      ///< absorption coefficient by place; where it varies it replaces that of the coat
+    float thickness;         ///< factor of `absorption` to the optical depth straight through
     NestedMaterial surface;  ///< what the coat's surface reflects: one-sided
     NestedMaterial nested;
 };

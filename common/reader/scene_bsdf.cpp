@@ -359,15 +359,16 @@ Material parse_coating(Properties& properties, TextureFiles& files) {
     Coat coat;
     coat.eta = surface->eta;
     if constexpr (rough) coat.rough = surface->coat();
-    coat.absorption = color_property(properties, "sigma_a", 0, ColorRange::non_negative) *
-                      static_cast<float>(properties.not_negative("thickness", 1));
+    const Texture absorption = parse_textured(properties, "sigma_a", 0, ColorRange::non_negative, files);
+    const auto thickness = static_cast<float>(properties.not_negative("thickness", 1));
+    coat.absorption = absorption.maximum() * thickness;
     const NestedObject inside = nested_bsdfs(properties, 1, 1)[0];
     const NestedMaterial nested = parse_nested(inside, files);
     if (nested->traits().transmission || nested->has_holes())
         throw InputError(inside.where, "a bsdf inside a coating must not transmit light");
     if (nested->is_bumped() || nested->is_coated())
         throw InputError(inside.where, "a bsdf inside a coating must not tilt normals or be coated itself");
-    return Material(Coating{std::make_shared<const Coat>(coat),
+    return Material(Coating{std::make_shared<const Coat>(coat), absorption, thickness,
                             std::make_shared<const Material>(std::move(surface).material()), nested});
 }
 

@@ -376,6 +376,25 @@ private:
     BoundsD bounds_;
 };
 
+/// The first sensor below the element; null if there is none.
+const XmlElement* nested_sensor(const XmlElement& element) {
+    for (const auto& child : element.children) {
+        if (child.tag == "sensor") return &child;
+        if (const XmlElement* sensor = nested_sensor(child)) return sensor;
+    }
+    return nullptr;
+}
+
+[[noreturn]] void refuse_without_sensor(const XmlElement& scene) {
+    if (const XmlElement* sensor = nested_sensor(scene))
+        reject(sensor->where,
+               "the scene has no sensor: this one would measure the element that it stands in; a camera is "
+               "a child of <scene>");
+    reject(scene.where,
+           "the scene has no sensor: add a <sensor type=\"perspective\"> with a to_world and a <film>, or "
+           "include this file in a scene that has them");
+}
+
 }  // namespace
 
 LoadedScene parse_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options) {
@@ -394,11 +413,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     for (const char* part : {"film", "sampler", "rfilter", "phase", "volume"})
         scene.objects(part);  // a sensor or a medium may refer to them
     scene.finish();
-    if (sensors.empty())
-        throw InputError(
-            expanded.root.where,
-            "the scene has no sensor: add a <sensor type=\"perspective\"> with a to_world and a <film>, or "
-            "include this file in a scene that has them");
+    if (sensors.empty()) refuse_without_sensor(expanded.root);
     const auto taken = integrator ? parse_integrator(*integrator, builder.ids()) : ParsedIntegrator{INT_MAX, false};
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
     parsed.sensor.hide_emitters(taken.hides_emitters);

@@ -131,6 +131,8 @@ void XmlElement::check_no_children() const {
 }
 
 XmlElement parse_xml(const std::string& text, const std::string& file) {
+    if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+        reject({file, 1, 1}, "the file is UTF-16: it has to be saved as UTF-8");
     const Converter converter(text, file);
     pugi::xml_document document;
     const auto result = document.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);

@@ -20,6 +20,7 @@ struct XmlElement {
     SourceLocation where;  ///< place of its `<`
     std::vector<XmlAttribute> attributes;
     std::vector<XmlElement> children;
+    bool old = false;  ///< from a file of a version below 2, whose needless parameters are warned of
 
     /// Null if there is none.
     const XmlAttribute* find(std::string_view name) const;

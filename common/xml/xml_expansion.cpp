@@ -18,6 +18,10 @@ bool is_name_character(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
 }
 
+void add_once(std::vector<std::string>& names, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
 /// The values of $parameters, and which of them the file knows.
 class Parameters {
 public:
@@ -29,9 +33,9 @@ public:
         known_.insert(name);
     }
 
-    /// Returns whether all parameters of the attribute have a value; those that have none are kept for the error.
-    bool substitute(XmlAttribute& attribute) {
-        bool complete = true;
+    /// Puts the values of its parameters into an attribute. Returns the names of those that have none, each once.
+    std::vector<std::string> substitute(XmlAttribute& attribute) {
+        std::vector<std::string> without;
         std::string result;
         const std::string& text = attribute.value;
         for (std::size_t i = 0; i < text.size();) {
@@ -43,30 +47,29 @@ public:
                 known_.insert(name);
                 const auto value = values_.find(name);
                 if (value != values_.end()) result += value->second;
-                else missing_.push_back({name, attribute.where});
-                complete &= value != values_.end();
+                else add_once(without, name);
                 i += 1 + name.size();
             } else {
                 result += text[i++];
             }
         }
         attribute.value = std::move(result);
-        return complete;
+        if (!without.empty() && missing_.empty()) first_missing_ = attribute.where;
+        for (const auto& name : without)
+            add_once(missing_, name);
+        return without;
     }
 
-    /// The parameter without a value that was met last.
-    const std::string& last_missing() const { return missing_.back().first; }
-    /// Throws InputError with all parameters that have no value, at the place of the first one.
-    void reject_missing() const {
-        std::vector<std::string> names, settings;
-        for (const auto& [name, where] : missing_) {
-            if (std::find(names.begin(), names.end(), "$" + name) != names.end()) continue;
-            names.push_back("$" + name);
+    /// "no value for $r, $g: WHAT; --set r=... --set g=... would give them".
+    static std::string no_value(const std::vector<std::string>& names, const std::string& what) {
+        std::vector<std::string> settings;
+        for (const auto& name : names)
             settings.push_back(fmt::format("--set {}=...", name));
-        }
-        reject(missing_.front().second, "no value for {}: {} would give {}", fmt::join(names, ", "),
-               fmt::join(settings, " "), names.size() == 1 ? "it" : "them");
+        return fmt::format("no value for ${}: {}{} would give {}", fmt::join(names, ", $"), what,
+                           fmt::join(settings, " "), names.size() == 1 ? "it" : "them");
     }
+    /// Throws InputError with all parameters that have no value, at the place of the first one.
+    void reject_missing() const { throw InputError(first_missing_, no_value(missing_, "")); }
 
     void check_all_known(const std::string& file) const {
         for (const auto& [name, value] : given_)
@@ -94,7 +97,8 @@ private:
     const std::map<std::string, std::string>& given_;
     std::map<std::string, std::string> values_;
     std::set<std::string> known_;
-    std::vector<std::pair<std::string, SourceLocation>> missing_;  ///< names without a value, and where they stand
+    std::vector<std::string> missing_;  ///< names without a value
+    SourceLocation first_missing_;      ///< where the first of them stands
 };
 
 /// Whether Mitsuba's plugins have a default for the value of this element.
@@ -143,21 +147,25 @@ private:
     }
 
     /// Puts the values of parameters into the attributes. Returns whether the element is complete. A value element without a
-    /// value is left out with a warning; in other elements a missing value becomes an error at the end of the file.
-    bool substitute(XmlElement& element) {
+    /// value is left out with a warning; in other elements a missing value becomes an error at the end of the file, which
+    /// names the parameters of their children, too.
+    bool substitute(XmlElement& element, bool with_children = false) {
         const bool optional = may_be_left_out(element);
+        bool complete = true;
         for (auto& attribute : element.attributes) {
-            if (parameters_.substitute(attribute)) continue;
-            const std::string& name = parameters_.last_missing();
+            const std::vector<std::string> missing = parameters_.substitute(attribute);
+            if (missing.empty()) continue;
+            complete = false;
             if (!optional || attribute.name != "value") is_incomplete_ = true;
             else
                 warnings_.add(attribute.where,
-                              fmt::format("no value for ${0}: '{1}' is left out, and its default counts; --set {0}=... "
-                                          "would give it",
-                                          name, element.find("name")->value));
-            return false;
+                              Parameters::no_value(missing, fmt::format("'{}' is left out, and its default counts; ",
+                                                                        element.find("name")->value)));
         }
-        return true;
+        if (!complete || with_children)
+            for (auto& child : element.children)
+                substitute(child, true);
+        return complete;
     }
 
     void expand_children(XmlElement& element, int depth) {
@@ -208,7 +216,9 @@ private:
     void add_path(const XmlElement& element) {
         element.check_attributes({"value"});
         element.check_no_children();
-        const std::string folder = files_.find(element.required("value").value, element.where, folders_);
+        const std::string& value = element.required("value").value;
+        if (value.empty()) return;  // the folder of the scene, where files are searched for anyway
+        const std::string folder = files_.find(value, element.where, folders_);
         if (std::error_code error; !std::filesystem::is_directory(folder, error))
             reject(element.where, "'{}' is not a folder", folder);
         files_.add_path(folder);
@@ -285,18 +295,27 @@ void XmlIds::collect(const XmlElement& element) {
             child.check_attributes({"id", "as"});
             child.check_no_children();
             insert(child.required("as").value, resolve(child), child.required("as").where);
-        } else if (child.tag != "ref") {
+        } else if (child.tag == "ref") {
+            const XmlAttribute* id = child.find("id");
+            const auto object = id ? objects_.find(id->value) : objects_.end();
+            if (object != objects_.end()) earlier_.emplace(&child, object->second);
+        } else {
             collect(child);
             if (const XmlAttribute* id = child.find("id")) insert(id->value, child, id->where);
         }
     }
 }
 
+const XmlElement* XmlIds::find(const XmlElement& ref) const {
+    if (const auto earlier = earlier_.find(&ref); earlier != earlier_.end()) return earlier->second;
+    const XmlAttribute* id = ref.find("id");
+    const auto object = id ? objects_.find(id->value) : objects_.end();
+    return object == objects_.end() ? nullptr : object->second;
+}
+
 void XmlIds::collect_uses(const XmlElement& element) {
     for (const auto& child : element.children) {
-        const XmlAttribute* id = child.tag == "ref" ? child.find("id") : nullptr;
-        const auto object = id ? objects_.find(id->value) : objects_.end();
-        if (object != objects_.end()) used_.insert(object->second);
+        if (child.tag == "ref") used_.insert(find(child));
         collect_uses(child);
     }
 }
@@ -305,16 +324,17 @@ void XmlIds::insert(const std::string& id, const XmlElement& object, const Sourc
     const auto [it, is_new] = objects_.emplace(id, &object);
     if (is_new) return;
     const SourceLocation first = it->second->where;
-    warnings_.add(where, fmt::format("the id '{}' is given twice, first at {}:{}:{}: references mean the last one", id,
-                                     first.file, first.line, first.column));
+    warnings_.add(where, fmt::format("the id '{}' is given twice, before at {}:{}:{}: a reference means the last one "
+                                     "before it",
+                                     id, first.file, first.line, first.column));
     it->second = &object;
 }
 
 const XmlElement& XmlIds::resolve(const XmlElement& ref) const {
     const XmlAttribute& id = ref.required("id");
-    const auto it = objects_.find(id.value);
-    if (it == objects_.end()) reject(id.where, "there is no object with the id '{}'", id.value);
-    return *it->second;
+    const XmlElement* object = find(ref);
+    if (!object) reject(id.where, "there is no object with the id '{}'", id.value);
+    return *object;
 }
 
 ExpandedXml expand_xml(const std::string& text, const std::string& path,

@@ -31,8 +31,8 @@ private:
 /// The objects of a scene by their id, and the warnings of whoever reads them.
 class XmlIds {
 public:
-    /// Both arguments must outlive this object. Of several objects with one id the last counts, with a warning. Throws
-    /// InputError for an alias of an unknown one.
+    /// Both arguments must outlive this object. Of several objects with one id, which are warned of, a reference means the
+    /// last one before it. Throws InputError for an alias of an unknown one.
     XmlIds(const XmlElement& root, LoadWarnings& warnings) : warnings_(warnings) {
         collect(root);
         collect_uses(root);
@@ -48,9 +48,12 @@ private:
     void insert(const std::string& id, const XmlElement& object, const SourceLocation& where);
 
     void collect_uses(const XmlElement& element);
+    /// The object that a <ref> means; null if there is none.
+    const XmlElement* find(const XmlElement& ref) const;
 
     LoadWarnings& warnings_;
-    std::map<std::string, const XmlElement*> objects_;
+    std::map<std::string, const XmlElement*> objects_;        ///< the last one of each id
+    std::map<const XmlElement*, const XmlElement*> earlier_;  ///< the object of each <ref> that stands after it
     std::set<const XmlElement*> used_;
 };
 

@@ -20,6 +20,9 @@ constexpr std::string_view value_tags[] = {"float",    "integer", "boolean", "st
 constexpr std::string_view object_tags[] = {"integrator", "sensor",  "film",   "sampler", "rfilter", "shape",
                                             "bsdf",       "emitter", "medium", "texture", "phase",   "volume"};
 
+/// Parameters that change images of Mitsuba 0.6 and that some readers lack: also in old files they are no needless ones.
+constexpr std::string_view unsupported[] = {"material", "max", "min", "shape_index", "wrap_mode_u", "wrap_mode_v"};
+
 bool is_object(const XmlElement& element) {
     return among(element.tag, object_tags) || (element.tag == "spectrum" && element.find("type"));
 }
@@ -71,8 +74,14 @@ void Properties::add_child(const XmlElement& child) {
         gib::reject(where, "<{}> cannot hold <{}>", element_.tag, child.tag);
     }
     if (name.empty()) return;
-    const auto [first, is_new] = line_of_name_.emplace(std::move(name), where.line);
-    if (!is_new) gib::reject(where, "'{}' is given twice, first at line {}", first->first, first->second);
+    const auto [first, is_new] = line_of_name_.emplace(name, where.line);
+    if (is_new) return;
+    const auto earlier =
+        std::find_if(properties_.begin(), properties_.end() - 1, [&](const auto& p) { return p.name == name; });
+    if (!element_.old || earlier->is_object || properties_.back().is_object)
+        gib::reject(where, "'{}' is given twice, first at line {}", name, first->second);
+    ids_.warn(where, fmt::format("'{}' is given twice, first at line {}: the last one counts", name, first->second));
+    properties_.erase(earlier);
 }
 
 const std::string& Properties::plugin(const std::vector<std::string_view>& supported) const {
@@ -265,8 +274,11 @@ void Properties::finish() const {
         const std::string plugin = type ? fmt::format("{} '{}'", element_.tag, type->value) : element_.tag;
         const std::string what = property.is_object ? fmt::format("a <{}>", property.element->tag)
                                                     : fmt::format("a parameter '{}'", property.name);
-        gib::reject(property.where, "{} does not take {}; it takes: {}", plugin, what,
-                    known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", ")));
+        const std::string takes = known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", "));
+        if (!element_.old || property.is_object || among(property.name, unsupported))
+            gib::reject(property.where, "{} does not take {}; it takes: {}", plugin, what, takes);
+        ids_.warn(property.where,
+                  fmt::format("{} does not take {}, which has no effect; it takes: {}", plugin, what, takes));
     }
 }
 

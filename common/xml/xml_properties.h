@@ -40,8 +40,8 @@ void check_color_value(double value, ColorRange range, const std::string& name, 
 
 class Properties {
 public:
-    /// Both arguments must outlive this object. Throws InputError for a child that is no property or object at all,
-    /// for a name that is given twice and for a reference to nothing.
+    /// Both arguments must outlive this object. Throws InputError for a child that is no property or object at all, for a
+    /// reference to nothing and for a name that is given twice (of values of old files the last counts, with a warning).
     Properties(const XmlElement& element, const XmlIds& ids);
 
     const XmlElement& element() const { return element_; }
@@ -116,7 +116,8 @@ public:
     /// The nested object of a kind, if there is one. Throws InputError at a second one.
     std::optional<NestedObject> object(const std::string& tag);
 
-    /// Throws InputError for the first property or object that was not asked for, and lists those that were.
+    /// Throws InputError for the first property or object that was not asked for, and lists those that were. In old files
+    /// (XmlElement::old) it only warns of properties that Mitsuba 0.6 does not know either, as Mitsuba 0.6 does.
     void finish() const;
     /// In place of finish(), where what was not asked for changes no image: warns that it has no effect, unless its name
     /// is among `expected`, which are Mitsuba's.

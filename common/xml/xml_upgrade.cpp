@@ -245,25 +245,29 @@ private:
             }
         upgrade_roughness();
         upgrade_reflectances();
+        upgrade_reflectance_pair();
         if (is(e_, "bsdf", "conductor") || is(e_, "bsdf", "roughconductor")) upgrade_conductor();
         if (is(e_, "bsdf", "mixturebsdf")) upgrade_mixture();
         if (is(e_, "bsdf", "bumpmap")) upgrade_bumpmap();
         if (is(e_, "bsdf", "normalmap")) upgrade_normalmap();
     }
 
-    /// A roughness in one direction alone; the other is alpha, whose default is 0.1.
+    /// alpha, whose default is 0.1, is the roughness in each direction that has none of its own. Readers of all bsdfs but
+    /// ward do so themselves where both have none.
     void upgrade_roughness() {
         const bool has_u = property(e_, "alpha_u"), has_v = property(e_, "alpha_v");
-        if (!has_u && !has_v) return;
         const XmlElement* alpha = property(e_, "alpha");
+        if (!has_u && !has_v && !(alpha && is(e_, "bsdf", "ward"))) return;
         XmlElement other = alpha ? *alpha : value_element("float", "alpha", "0.1", e_.where);
         drop(e_, {"alpha"});
-        if (has_u && has_v) return;
-        attribute_of(other, "name")->value = has_u ? "alpha_v" : "alpha_u";
-        e_.children.push_back(std::move(other));
+        for (const auto& [name, is_given] : {std::pair("alpha_u", has_u), std::pair("alpha_v", has_v)}) {
+            if (is_given) continue;
+            attribute_of(other, "name")->value = name;
+            e_.children.push_back(other);
+        }
     }
 
-    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong or ward together, when it is read.
+    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong or ward together.
     void upgrade_reflectances() {
         const XmlElement* ensured = property(e_, "ensure_energy_conservation");
         const bool scales = !is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward") &&
@@ -282,6 +286,36 @@ private:
             for (double& channel : channels)
                 channel *= 0.99 / highest;
             value->value = fmt::format("{}", fmt::join(channels, " "));
+        }
+    }
+
+    /// Colours of a phong or ward of which one is above 1 are scaled down together, to a sum of 0.99.
+    void upgrade_reflectance_pair() {
+        if (!is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward")) return;
+        std::vector<std::vector<double>> colors;
+        double highest = 0;
+        for (const auto& [name, fallback] :
+             {std::pair("diffuse_reflectance", "0.5"), std::pair("specular_reflectance", "0.2")}) {
+            if (!property(e_, name)) e_.children.push_back(value_element("rgb", name, fallback, e_.where));
+            const XmlElement& color = *property(e_, name);
+            if (color.tag != "rgb" && color.tag != "float") return;
+            colors.push_back(parse_channels(color.required("value")));
+            if (colors.back().size() == 1) colors.back().resize(3, colors.back()[0]);
+            if (colors.back().size() != 3) return;
+            highest = std::max(highest, *std::max_element(colors.back().begin(), colors.back().end()));
+        }
+        if (!(highest > 1)) return;
+        warnings_.add(e_.where, "diffuse_reflectance and specular_reflectance are scaled down to a sum of 0.99");
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            sum = std::max(sum, colors[0][k] + colors[1][k]);
+        for (const char* name : {"diffuse_reflectance", "specular_reflectance"}) {
+            for (double& channel : colors.front())
+                channel *= 0.99 / sum;
+            const SourceLocation where = property(e_, name)->where;
+            drop(e_, {name});
+            e_.children.push_back(value_element("rgb", name, fmt::format("{}", fmt::join(colors.front(), " ")), where));
+            colors.erase(colors.begin());
         }
     }
 
@@ -444,7 +478,8 @@ SceneVersion parse_version(const XmlAttribute& version) {
 void upgrade_element(XmlElement& element, const SceneVersion& version, LoadWarnings& warnings) {
     if (version.before(3, 0) && is(element, "volume", "constvolume"))
         rename(element, "color", "value");  // of Mitsuba 2
-    if (version.before(2, 0)) Upgrade(element, version, warnings).apply();
+    element.old = version.before(2, 0);
+    if (element.old) Upgrade(element, version, warnings).apply();
 }
 
 }  // namespace gib

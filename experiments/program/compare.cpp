@@ -287,7 +287,9 @@ int compare(const CompareOptions& options, std::ostream& out) {
         const auto png = encode_png(difference_image(total.tests.front(), r, denominators.epsilon()), 1.f);
         write_file(options.png, {reinterpret_cast<const char*>(png.data()), png.size()});
     }
-    const std::string sentence = comparison_sentence(total.tests, total.reference, denominators);
+    const bool is_relative = options.epsilon || !is_black(reference.total.mean);
+    const std::string sentence = is_relative ? comparison_sentence(total.tests, total.reference, denominators)
+                                             : "the reference is black: no error is a share of it";
     std::optional<ZTestReport> z;
     // Two references are always tested, with the errors of both.
     if (options.z_test || (files.size() == 1 && files.front().find("stderr") && reference.total.standard_error))
@@ -296,6 +298,9 @@ int compare(const CompareOptions& options, std::ostream& out) {
     Json json, components = Json::object();
     for (std::size_t i = 0; i < subjects.size(); ++i) {
         Json values = metrics(subjects[i].second, i == 0 ? Flip::measured : Flip::left_out);
+        if (!is_relative)
+            for (const auto& item : values.items())
+                if (item.key().starts_with("rel_")) item.value() = nullptr;
         if (z && i < z->layers.size()) values.update(z->layers[i]);
         (i == 0 ? json : components[subjects[i].first]) = std::move(values);
     }

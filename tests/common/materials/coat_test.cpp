@@ -36,6 +36,28 @@ TEST(Coating, AMirrorUnderACoatHasTwoReflections) {
                     1e-5);
 }
 
+TEST(Coating, ItsAbsorptionMayVaryOverTheSurface) {
+    const auto material_of = [](const std::string& absorption) {
+        return load(shape("rectangle", bsdf("coating", indices, number("thickness", 2), absorption, bsdf("diffuse"))))
+            .scene;
+    };
+    const auto f = [](const Bsdf& b) { return b.f_local(at(20), at(50, 70)).sum(); };
+    const std::string squares =
+        named("texture", "sigma_a", "checkerboard", rgb("color0", "0.1 0.2 3"), rgb("color1", 0));
+    const auto varying = material_of(squares);
+    EXPECT_EQ(varying->material_of_shape(0).constant(), nullptr);
+    for (const auto& [u, value] : {std::pair(0.25f, "0.1 0.2 3"), {0.75f, "0 0 0"}}) {
+        const MaterialPoint point{.uv = Vec2(u, 0.25f),
+                                  .ng = Vec3::UnitZ(),
+                                  .dp_du = Vec3::UnitX(),
+                                  .dp_dv = Vec3::UnitY(),
+                                  .shading = Frame(Vec3::UnitZ())};
+        const auto constant = material_of(rgb("sigma_a", value));
+        EXPECT_TRUE((f(varying->material_of_shape(0).at(point)) == f(*constant->material_of_shape(0).constant())).all())
+            << value;
+    }
+}
+
 // A diffuse base under a coat is that of a plastic without the light that the plastic reflects back inside: without
 // specular reflection, plastic's f is rho T T / (pi eta^2 (1 - rho R)).
 TEST(Coating, ADiffuseBaseIsThatOfAPlasticWithoutInternalReflection) {
@@ -91,6 +113,20 @@ TEST(RoughDiffuse, HasItsPublishedValues) {
     EXPECT_NEAR(f(flag("use_fast_approx"), at(60), at(60, 180)), rho / std::numbers::pi * c1, 1e-6);
     // Light comes back to where it came from.
     EXPECT_GT(f("", at(60), at(60)), 1.5 * f("", at(60), at(60, 180)));
+}
+
+TEST(Ward, FilesOfMitsuba06MayGiveOneRoughness) {
+    const auto f = [](const std::string& version, const std::string& roughness) {
+        const std::string ward = bsdf("ward", roughness), xml = shape("rectangle", ward);
+        return parse_scene("<scene version='" + version + "'>" + sensor_xml + xml + "</scene>", "t.xml")
+            .scene->material_of_shape(0)
+            .constant()
+            ->f_local(at(10), at(30))
+            .sum()[0];
+    };
+    const auto both = [](double u, double v) { return number("alpha_u", u) + number("alpha_v", v); };
+    EXPECT_EQ(f("0.5.0", number("alpha", 0.4)), f("3.0.0", both(0.4, 0.4)));
+    EXPECT_EQ(f("0.5.0", number("alpha", 0.4) + number("alphaV", 0.2)), f("3.0.0", both(0.4, 0.2)));
 }
 
 // At normal incidence in the mirror direction all three are rho_s / (4 pi alpha_u alpha_v).

@@ -9,6 +9,7 @@
 namespace gib::test::forgiven_faults_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 
 const std::string ball = shape("sphere");
@@ -42,7 +43,16 @@ TEST(ForgivenFaults, AValueWhoseParameterHasNoneIsThatOfThePlugin) {
     EXPECT_THAT(given.warnings, ElementsAre());
 }
 
+TEST(ForgivenFaults, AValueOfSeveralParametersNamesThemAll) {
+    const std::string body = shape("sphere", bsdf("diffuse", rgb("reflectance", "$r, $g, $b, $g")));
+    EXPECT_THAT(load(body).warnings,
+                ElementsAre(HasSubstr("no value for $r, $g, $b: 'reflectance' is left out, and its default counts; "
+                                      "--set r=... --set g=... --set b=... would give them")));
+}
+
 TEST(ForgivenFaults, ParametersThatAreNeededAreNamedAtOnce) {
+    EXPECT_THAT(scene_error(shape("$kind", to_world("<scale x='$x' y='$y' z='$z'/>"))),
+                HasSubstr("no value for $kind, $x, $y, $z: "));
     EXPECT_THAT(
         scene_error(shape("sphere", value_element("float", "radius", "$r")) + "\n" +
                     shape("obj", filename("$mesh"), to_world("<scale value='$size'/>")) +
@@ -104,12 +114,16 @@ TEST(ForgivenFaults, TheLastOfSeveralFiltersCountsAndTheFilmsBeforeTheSensors) {
     EXPECT_EQ(filter_of(tent, gauss), std::pair(3.f, std::size_t{0}));
 }
 
-TEST(ForgivenFaults, ReferencesMeanTheLastObjectOfAnId) {
-    const LoadedScene loaded =
-        load(with_id("bsdf", "diffuse", "a", rgb("reflectance", 0.1)) + shape("sphere", reference("a")) + "\n" +
-             with_id("bsdf", "diffuse", "a", rgb("reflectance", 0.9)));
-    EXPECT_EQ(diffuse_of(loaded)[0], 0.9f);
-    EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("the id 'a' is given twice, first at test.xml:2:1")));
+TEST(ForgivenFaults, AReferenceMeansTheLastObjectOfItsIdBeforeIt) {
+    const auto grey = [](double value) { return with_id("bsdf", "diffuse", "a", rgb("reflectance", value)); };
+    const std::string use = shape("sphere", reference("a"));
+    const LoadedScene loaded = load(grey(0.1) + use + "\n" + grey(0.9) + grey(0.2) + shape("cube", reference("a")));
+    EXPECT_EQ(diffuse_of(loaded)[0], 0.1f);
+    EXPECT_EQ(loaded.scene->material_of_shape(1).constant()->coefficients_local(Vec3(0, 0, 1)).diffuse[0], 0.2f);
+    EXPECT_THAT(loaded.warnings,
+                ElementsAre(HasSubstr("the id 'a' is given twice, before at test.xml:2:1: a reference means the last"),
+                            HasSubstr("the id 'a' is given twice, before at test.xml:3:1")));
+    EXPECT_EQ(diffuse_of(load(use + grey(0.3)))[0], 0.3f);  // one that stands before its object
 }
 
 TEST(ForgivenFaults, NamesOfPluginsMayHaveCapitals) {
@@ -144,6 +158,39 @@ TEST(ForgivenFaults, ABeamWithoutWidthIsANarrowSpotOfItsPower) {
 TEST(ForgivenFaults, AFileWithoutASensorIsToldWhatItLacks) {
     EXPECT_THAT(input_error_of([] { parse_scene("<scene version='3.0.0'>" + ball + "</scene>", "t.xml"); }),
                 HasSubstr("the scene has no sensor: add a <sensor type=\"perspective\">"));
+    EXPECT_THAT(input_error_of([] {
+                    parse_scene("<scene version='0.6.0'>\n" + shape("sphere", "\n", element("sensor", "perspective")) +
+                                    "</scene>",
+                                "t.xml");
+                }),
+                StartsWith("t.xml:3:1: the scene has no sensor: this one would measure the element that it stands in"));
+}
+
+TEST(ForgivenFaults, OldFilesMayHaveParametersThatNobodyKnows) {
+    const std::string body = shape("sphere", "\n", text("comment", "x"), bsdf("diffuse"));
+    EXPECT_THAT(
+        load_version(" version='0.6.0'", body).warnings,
+        ElementsAre(AllOf(HasSubstr("t.xml:3:1: shape 'sphere' does not take a parameter 'comment', which has no "
+                                    "effect; it takes: "),
+                          HasSubstr("radius"))));
+    for (const auto& [version, wrong] :
+         {std::pair(" version='2.0.0'", body),
+          {" version='0.6.0'", shape("sphere", element("film", "hdrfilm"))},
+          {" version='0.6.0'", shape("sphere", value_element("integer", "shapeIndex", "1"))}})
+        EXPECT_THAT(input_error_of([&] { load_version(version, wrong); }), HasSubstr("shape 'sphere' does not take a"));
+}
+
+TEST(ForgivenFaults, OldFilesMayGiveAValueTwice) {
+    const std::string twice = shape("sphere", radius(2), "\n", radius(3));
+    const LoadedScene loaded = load_version(" version='0.5.0'", twice);
+    EXPECT_EQ(radius_of(loaded), 3);
+    EXPECT_THAT(loaded.warnings,
+                ElementsAre(HasSubstr("t.xml:3:1: 'radius' is given twice, first at line 2: the last")));
+    EXPECT_THAT(input_error_of([&] { load_version(" version='3.0.0'", twice); }), HasSubstr("'radius' is given twice"));
+}
+
+TEST(ForgivenFaults, APathWithoutAFolderIsThatOfTheScene) {
+    EXPECT_THAT(load("<path value=''/>" + ball).warnings, ElementsAre());
 }
 
 }  // namespace

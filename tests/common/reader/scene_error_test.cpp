@@ -21,6 +21,8 @@ TEST(SceneErrors, MalformedXml) {
                    {"<scene version='3.0.0'>\n<!-- <a> -->\n<shape type='a/>b'>\n<bsdf/>\n</scene>", "5:3",
                     "</scene> stands where <shape> of line 3 has to be closed first"},
                    {"", "1:1", "malformed XML"},
+                   {"\xFF\xFE<", "1:1", "the file is UTF-16: it has to be saved as UTF-8"},
+                   {"\xFE\xFF<", "1:1", "the file is UTF-16"},
                    {"<scene version='3.0.0'/><scene/>", "1:25", "malformed XML"},
                    {"<scene version='3.0.0'>\n text</scene>", "1:24", "unexpected text in <scene>"},
                    {"<scene\n version='3.0.0' version='3'/>", "2:18", "attribute 'version' is given twice"}},

@@ -77,6 +77,7 @@ TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
         EXPECT_TRUE(result[key].is_number()) << key;
     // Relative to the value, the intervals are those of images of 1, 0 and 1.
     CompareOptions plain{{file("u.exr", 1), options.tests[1], file("w.exr", 1)}, r};
+    plain.epsilon = smallest_epsilon;
     const auto expected = json(plain);
     for (const char* key : {"rel_mse_lo", "rel_mse_hi"})
         EXPECT_NEAR(result[key].get<double>() / result["rel_mse"].get<double>(),
@@ -88,6 +89,18 @@ TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
         options.epsilon = wrong;
         EXPECT_THAT(input_error_of([&] { json(options); }), HasSubstr("from 1e-60 to 1e+60"));
     }
+}
+
+TEST_F(Compare, NoErrorIsAShareOfABlackReference) {
+    const CompareOptions options{{file("x.exr", 2)}, file("black.exr", 0)};
+    const auto result = json(options);
+    for (const char* name : {"rel_mse", "rel_rmse", "rel_mse_lo", "rel_mse_median", "rel_mse_corrected"})
+        EXPECT_TRUE(result[name].is_null()) << name;
+    EXPECT_NEAR(result["rmse"], 2, 1e-12);
+    EXPECT_EQ(result["sentence"], "the reference is black: no error is a share of it");
+    std::ostringstream out;
+    compare(options, out);
+    EXPECT_NE(out.str().find("rel_rmse           -"), std::string::npos);
 }
 
 TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
