@@ -28,7 +28,8 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
-constexpr double most_photons = 50;  ///< limit on photons in the mean look-up of the first pass, if its radius is found
+/// Limit on photons in the mean look-up of the first pass, if its radius is found. Guided photons, of unlike power, tell less.
+constexpr double most_photons = 50, most_guided_photons = 200;
 
 struct ProgressiveSettings {
     PhotonMapSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
@@ -127,7 +128,7 @@ private:
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
+                            tracing_.is_guided() ? most_guided_photons : most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
     void find_first_radii() {

@@ -17,24 +17,16 @@ constexpr float cells_across = 64;
 /// A class of directions for trace_path_in(), which chooses them as path tracing does.
 class ImportonDirections : public BsdfDirections {
 public:
-    ImportonDirections(const LightUse& use, RadianceField* field, ImportonPlaces& places)
-        : depth_(use.gathers ? 1 : 0), uses_direct_(use.uses_direct), field_(field), places_(places) {}
+    ImportonDirections(bool gathers, RadianceField* field, ImportonPlaces& places)
+        : depth_(gathers ? 1 : 0), field_(field), places_(places) {}
 
     void start(const Sampler& sampler) {
         blur_.emplace(sampler.split(0, 1, blur_tag));
         scattered_ = 0;
-        scattered_before_ = -1;
     }
     void arrive(const Vec3& p, const Vec3& normal) {
         p_ = p;
         normal_ = normal;
-        scattered_before_ = scattered_;
-    }
-    /// The importon has found this light at the last place, or straight from it.
-    void found(const Color& light) {
-        const double weight{luminance(light)};
-        if (scattered_before_ < (uses_direct_ ? depth_ : depth_ + 1) || !std::isfinite(weight) || !(weight > 0)) return;
-        places_.lit.push_back({p_, weight});
     }
     std::optional<ScatteredRay> scatter(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
                                         const VertexNumbers& u, bool sees_lights) {
@@ -58,6 +50,7 @@ private:
         if (!std::isfinite(weight) || !(weight > 0)) return;
         if (scattered_ == depth_ && uses) places_.used.push_back({p_, weight});
         if (scattered_ <= depth_ || !field_) return;
+        places_.needed.push_back({p_, weight});
         if (focuses) places_.specular.push_back({p_, weight});
         const RadianceField::Place place = field_->place(p_, normal_);
         field_->visit(place, 0, 0);
@@ -65,19 +58,18 @@ private:
     }
 
     int depth_;
-    bool uses_direct_;
     RadianceField* field_;  ///< null: importons end where light is used
     ImportonPlaces& places_;
     std::optional<Sampler> blur_;
     Vec3 p_ = Vec3::Zero(), normal_ = Vec3::Zero();
-    int scattered_ = 0, scattered_before_ = -1;  ///< by diffuse lobes and media: so far, and before the last place
+    int scattered_ = 0;  ///< by diffuse lobes and media
 };
 
 }  // namespace
 
 void ImportonPlaces::append(const ImportonPlaces& more) {
     used.insert(used.end(), more.used.begin(), more.used.end());
-    lit.insert(lit.end(), more.lit.begin(), more.lit.end());
+    needed.insert(needed.end(), more.needed.begin(), more.needed.end());
     specular.insert(specular.end(), more.specular.begin(), more.specular.end());
     rays += more.rays;
 }
@@ -91,13 +83,13 @@ ImportonPlaces follow_importons(const Scene& scene, const LightUse& use, std::si
     parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         ImportonPlaces& places = blocks[block];
         RayQueries rays(scene);
-        ImportonDirections directions(use, field, places);
+        ImportonDirections directions(use.gathers, field, places);
         for (std::size_t i = begin; i < end; ++i) {
             const std::size_t pixel = i * pixels / count;
             for_each_pixel(rays, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
                            [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
                                directions.start(sampler);
-                               trace_path_in(directions, rays, eye, sampler, use.max_edges, field != nullptr);
+                               trace_path_in(directions, rays, eye, sampler, use.max_edges, false);
                            });
         }
         places.rays = rays.count();

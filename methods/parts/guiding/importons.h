@@ -22,14 +22,14 @@ struct LightUse {
 
 struct ImportonVertex {
     Vec3 p;
-    double weight;  ///< luminance of the importon's throughput, or of the light that it has found
+    double weight;  ///< throughput of the importon, luminance
 };
 
 /// What importons have found.
 struct ImportonPlaces {
-    std::vector<ImportonVertex> used = {};  ///< places where light is used
-    std::vector<ImportonVertex> lit = {};   ///< places from where light that comes straight from a light is sent there
-    std::vector<ImportonVertex> specular = {};  ///< specular surfaces from where light is sent there
+    std::vector<ImportonVertex> used = {};      ///< places where light is used
+    std::vector<ImportonVertex> needed = {};    ///< places from where it is sent there
+    std::vector<ImportonVertex> specular = {};  ///< those of them that are specular
     std::uint64_t rays = 0;
 
     void append(const ImportonPlaces& more);

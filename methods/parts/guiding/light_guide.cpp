@@ -44,20 +44,19 @@ std::vector<ProjectionTargets::Ball> balls_around(const Cells& cells, const std:
     return balls;
 }
 
-/// Starts towards the places that need light most, and towards ever more of them, by maps that drop most of the emission, and most
-/// of that of `others`, and differ from each other; none without such a map. The others follow.
+/// Starts towards the places that need light most, and towards ever more of them, by maps that keep at most the share `most` of the
+/// emission and differ from each other; none without such a map. The others follow.
 std::optional<LightEmission> emission_towards(const Scene& scene, const std::vector<ImportonVertex>& places,
-                                              const LightEmission::Maps& others = {}) {
+                                              double most, const LightEmission::Maps& others) {
     const Cells cells(scene, places);
     const auto weights = cells.weights(places);
     LightEmission::Maps maps;
     for (const double share : {0.98, 0.9, 0.7, 0.4}) {
         auto map =
             std::make_shared<ProjectionMap>(scene, ProjectionTargets(balls_around(cells, weights, share)), most_bins);
-        const double most = !maps.empty()    ? 0.5 * maps.front()->kept_power()
-                            : others.empty() ? most_kept
-                                             : 0.2 * others.front()->kept_power();
-        if (!map->empty() && map->kept_power() <= most) maps.insert(maps.begin(), std::move(map));
+        if (map->empty() || map->kept_power() > most) continue;
+        most = 0.5 * map->kept_power();
+        maps.insert(maps.begin(), std::move(map));
     }
     if (maps.empty()) return std::nullopt;
     maps.insert(maps.end(), others.begin(), others.end());
@@ -74,8 +73,12 @@ LightGuide::LightGuide(const Scene& scene, const LightUse& use, std::uint64_t se
         field_.learn(crowd);
         rays_ += last.rays;
     }
-    emission_ = emission_towards(scene, last.lit);
-    caustic_emission_ = emission_towards(scene, last.specular, LightEmission::towards_specular(scene));
+    if (use.uses_direct) last.needed.insert(last.needed.end(), last.used.begin(), last.used.end());
+    const LightEmission::Maps specular = LightEmission::towards_specular(scene);
+    emission_ = emission_towards(scene, last.needed, most_kept, use.uses_direct ? specular : LightEmission::Maps());
+    // Where nearly all that is specular is seen, its own map does as well.
+    const double most = specular.empty() ? most_kept : 0.2 * specular.front()->kept_power();
+    caustic_emission_ = emission_towards(scene, last.specular, most, specular);
 }
 
 std::optional<RadianceField::Distribution> LightGuide::at_surface(const SurfaceHit& hit, const Vec3& wo,

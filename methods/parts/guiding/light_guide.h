@@ -28,10 +28,10 @@ public:
     /// Follows importons.
     LightGuide(const Scene& scene, const LightUse& use, std::uint64_t seed);
 
-    /// Sets the wanted power, where light of this power is used, over that which leaves the lights.
-    void want(double used) {
-        wanted_power_ = static_cast<float>(std::pow(std::min(used, 1.), getenv("EX") ? atof(getenv("EX")) : 0.5));
-    }
+    /// Sets the wanted power, where light of this power is used, over that which leaves the lights. With the power 1 all paths
+    /// that are used would be as powerful as without a guide; with `used` itself about all paths are used, many of them of little
+    /// power. In halls the exponent 0.65 gives ten times the paths, and four times the information for the rays.
+    void want(double used) { wanted_power_ = static_cast<float>(std::pow(std::min(used, 1.), 0.65)); }
 
     /// How paths start, and those that count only after a specular surface; null: as without a guide.
     const LightEmission* emission() const { return emission_ ? &*emission_ : nullptr; }
@@ -52,7 +52,6 @@ public:
                                           const VertexNumbers& u, float first_power, bool sees_lights) const;
 
     std::uint64_t rays() const { return rays_; }
-    const RadianceField& field() const { return field_; }
 
 private:
     float selection(const PathWalk& walk, float first_power) const;

@@ -17,11 +17,18 @@ constexpr std::size_t pilot_eyes = 4096;
 /// `auto` guides if less of the light reaches places that are seen: in the library, where the eye sees a corner of the scene.
 constexpr double most_used = 0.05;
 constexpr double least_used = 1e-6;
+/// ... and if guided photons tell so many times as much for their rays, which take about twice the time.
+constexpr double least_gain = 3;
 
-/// Photons' power that is stored where light is used, over that which leaves the lights, as a pilot finds it.
-class UsedLight {
+/// What a pilot's photons are worth where light is used.
+struct PilotLight {
+    double power = 0;        ///< over that which leaves the lights
+    double information = 0;  ///< photons of equal power that would tell as much, (sum of P)^2 / sum of P^2, over rays
+};
+
+class Pilot {
 public:
-    UsedLight(const Scene& scene, const LightUse& use, std::uint64_t seed)
+    Pilot(const Scene& scene, const LightUse& use, std::uint64_t seed)
         : scene_(scene), use_(use), seed_(combine_keys(seed, pilot_key)) {
         const ImportonPlaces eyes = follow_importons(scene, use, pilot_eyes, seed_, nullptr);
         rays_ = eyes.rays;
@@ -29,14 +36,20 @@ public:
         seen_ = cells_->weights(eyes.used);
     }
 
-    double share(PhotonMapKind kind, const LightGuide* guide) {
+    PilotLight light(PhotonMapKind kind, const LightGuide* guide) {
         const PhotonWalkResult pilot = trace_photons(scene_, kind, pilot_photons, use_.max_edges,
                                                      combine_keys(seed_, 1), nullptr, nullptr, nullptr, guide);
         rays_ += pilot.rays;
-        double used = 0;
-        for (const Photon& photon : pilot.photons)
-            if (seen_.contains(cells_->of(photon.p))) used += double{photon.power().maxCoeff()};
-        return used * pilot.unit / scene_.emitted_power().maxCoeff();
+        double sum = 0, squares = 0;
+        for (const Photon& photon : pilot.photons) {
+            if (!seen_.contains(cells_->of(photon.p))) continue;
+            const double power{photon.power().maxCoeff()};
+            sum += power;
+            squares += power * power;
+        }
+        const double photons = squares > 0 ? sum * sum / squares : 0;
+        return {sum * pilot.unit / scene_.emitted_power().maxCoeff(),
+                (photons + 1) / static_cast<double>(std::max<std::uint64_t>(pilot.rays, 1))};
     }
     std::uint64_t rays() const { return rays_; }
 
@@ -67,16 +80,20 @@ std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding
                                              std::uint64_t seed, StageTimes& stages, std::uint64_t& rays) {
     if (!plan.runs(step_importons)) return nullptr;
     const auto timer = stages.time(step_importons);
-    UsedLight used(scene, use, seed);
+    const PhotonMapKind kind = use.uses_direct ? PhotonMapKind::full : PhotonMapKind::global;
+    Pilot pilot(scene, use, seed);
     std::shared_ptr<LightGuide> guide;
-    const double unguided = used.share(PhotonMapKind::full, nullptr);
-    if (guiding == Guiding::on || unguided < most_used) {
+    if (guiding == Guiding::on || pilot.light(PhotonMapKind::full, nullptr).power < most_used) {
         guide = std::make_shared<LightGuide>(scene, use, seed);
-        guide->want(std::max(unguided, least_used));
-        guide->want(std::max(used.share(use.uses_direct ? PhotonMapKind::full : PhotonMapKind::global, guide.get()), least_used));
         rays += guide->rays();
+        const PilotLight without = pilot.light(kind, nullptr);
+        guide->want(std::max(without.power, least_used));
+        guide->want(std::max(pilot.light(kind, guide.get()).power, least_used));
+        if (guiding == Guiding::automatic &&
+            pilot.light(kind, guide.get()).information < least_gain * without.information)
+            guide.reset();
     }
-    rays += used.rays();
+    rays += pilot.rays();
     return guide;
 }
 
