@@ -4,7 +4,8 @@
 //
 // Computes: every component, but no path that the camera sees through a mirror or a smooth interface. Lights that the
 // camera sees straight are sampled from the camera.
-// Parameters: sampler = sobol (default) | independent; guide = auto (default) | on | off; spp (light paths for each pixel) and max_depth.
+// Parameters: sampler = sobol (default) | independent; guide = auto (default) | on | off; spp (light paths for each pixel) and
+// max_depth.
 // Bias: none, for paths that it can sample.
 // A pass: as many light paths as the image has pixels.
 // Fails: never; non-finite samples are counted and dropped.
@@ -35,7 +36,8 @@ public:
           rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
           follows_(plan.runs(step_light_paths)),
-          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_), true),
+          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_),
+                 true),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}

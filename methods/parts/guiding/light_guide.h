@@ -8,8 +8,7 @@
 // second). An importon that goes on from there shows, at each place that it comes to, a direction in which light is to be
 // sent. A radiance field stores these directions, and
 //
-//  - half of the light's paths start towards the places where importons have come by, if most others would miss them
-//    (LightEmission);
+//  - paths start towards the places where importons have come by, if most others would miss them (LightEmission);
 //  - directions of scattering have the density a q + (1 - a) p, with the field's q and the bsdf's or phase function's p;
 //  - a path survives with the probability of its power over that of a path that is to be used, `wanted_power`. So paths that
 //    the field sends, of little power, are many, and where they are used their powers are about equal.
@@ -43,7 +42,8 @@ public:
                                                           const Vec3& wo_local) const;
     std::optional<RadianceField::Distribution> in_medium(const Vec3& p) const;
 
-    /// Scatters the path at a surface and plays roulette, like PathWalk::scatter(). `first_power` is the mean power of a path that starts, in the unit of the path's. Empty if the path ends.
+    /// Scatters the path at a surface and plays roulette, like PathWalk::scatter(). `first_power` is the mean power of a path that
+    /// starts, in the unit of the path's. Empty if the path ends.
     std::optional<ScatteredRay> scatter(const RadianceField::Distribution& known, PathWalk& walk, const SurfaceHit& hit,
                                         const Vec3& wo_local, const VertexNumbers& u, float first_power,
                                         bool sees_lights) const;

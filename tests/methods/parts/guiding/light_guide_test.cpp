@@ -72,7 +72,7 @@ void expect_same_photons(const gib::Scene& scene, PhotonMapKind kind, const Ligh
     for (const bool guided : {false, true})
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
             std::array<double, 8> sums{};
-            const PhotonWalkResult walk = walk_of(scene, kind, 10000, seed, guided ? guide : nullptr);
+            const PhotonWalkResult walk = walk_of(scene, kind, 4000, seed, guided ? guide : nullptr);
             for (const Photon& photon : walk.photons) {
                 const Vec3 from_center = photon.p - scene.bounds().center();
                 const std::size_t part =
