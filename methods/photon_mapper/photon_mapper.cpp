@@ -353,7 +353,7 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
-        guide_parameter(),
+        guide_parameter(Guiding::off),
         tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
                                 "eye paths for emission and direct light, of each pixel in each pass, beside the one "
                                 "that looks up photons; 1: one path for all light"),

@@ -63,9 +63,11 @@ private:
 
 }  // namespace
 
-Parameter guide_parameter() {
+Parameter guide_parameter(Guiding unless_given) {
+    std::vector<std::string> names = strings(guiding_names);
+    std::rotate(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(unless_given), names.end());
     return choice_parameter(
-        "guide", strings(guiding_names),
+        "guide", std::move(names),
         "light's paths follow the importance that walks from the camera find; auto: where most light "
         "would never be used");
 }

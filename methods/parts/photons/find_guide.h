@@ -11,8 +11,8 @@ namespace gib {
 inline constexpr std::string_view step_importons = "importons";
 
 enum class Guiding { automatic, on, off };
-/// The parameter `guide`.
-Parameter guide_parameter();
+/// The parameter `guide`, with its default.
+Parameter guide_parameter(Guiding unless_given = Guiding::automatic);
 Guiding guiding_of(const ParameterValues& values);
 /// Adds the step, which is skipped where `why_not` is not empty.
 void add_importons(Plan& plan, Guiding guiding, std::string why_not);

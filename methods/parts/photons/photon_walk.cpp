@@ -3,9 +3,9 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "methods/method.h"
+#include "methods/parts/emission/projection_map.h"
 #include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/blocks_within_memory.h"
-#include "methods/parts/emission/projection_map.h"
 #include "methods/parts/transport/path_walk.h"
 
 #include <algorithm>
@@ -139,10 +139,7 @@ private:
         return true;
     }
 
-    /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
-    /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
-    /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
-    /// that its power has got there. Returns false if the photon ends here.
+    /// Scattering at a surface. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
         const auto next = scattered(hit, wo, wo_local);
         if (!next) return false;
@@ -151,6 +148,12 @@ private:
         walk_.go_on(hit, next->wi);
         return true;
     }
+
+    /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
+    /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
+    /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
+    /// that its power has got there. A guide, where it knows the
+    /// place, chooses and plays roulette by itself. Empty if the photon ends here.
     std::optional<ScatteredRay> scattered(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
         if (const auto known = guide_.guide ? guide_.guide->at_surface(hit, wo, wo_local) : std::nullopt)
             return guide_.guide->scatter(*known, walk_, hit, wo_local, walk_.sampler.at_vertex(at_.vertex),
