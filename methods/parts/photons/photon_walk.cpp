@@ -114,7 +114,7 @@ private:
             const Color fluence = (sigma_s > 0.f).select(at_.beta / sigma_s, Color::Zero());
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
-        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const VertexNumbers& u = walk_.vertex_numbers;
         const float survival = std::min(at_.beta.maxCoeff() / before, most_survival(at_.vertex));
         if (!survives(at_.beta, survival, u.roulette())) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
@@ -130,7 +130,7 @@ private:
     bool scatter(const SurfaceHit& hit, const Vec3& wo_local) {
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
-        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const VertexNumbers& u = walk_.vertex_numbers;
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return false;
 
