@@ -121,9 +121,10 @@ void Scene::resolve_surfaces() {
 
 std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& i) const {
     const Surface& surface = surfaces_[i.shape];
-    std::optional<SurfaceHit> hit;
-    if (surface.facets) hit.emplace(surface.facets[i.primitive].point_at(i.u, i.v), i.primitive, Vec2(i.u, i.v));
-    else place_on_shape(ray, i, hit);
+    // The hit is made in place: the compiler would set an empty one to zero first.
+    auto hit = surface.facets ? std::optional<SurfaceHit>(std::in_place, surface.facets[i.primitive].point_at(i.u, i.v),
+                                                          i.primitive, Vec2(i.u, i.v))
+                              : place_on_shape(ray, i);
     hit->bsdf = surface.bsdf;
     hit->emitter = surface.emitter;
     hit->light = surface.light;
@@ -135,12 +136,13 @@ std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& 
 }
 
 /// The geometry of a hit, with the shading normal that counts for the ray.
-void Scene::place_on_shape(const Ray& ray, const Intersection& i, std::optional<SurfaceHit>& hit) const {
-    hit.emplace(geometry_at(i, ray, surfaces_[i.shape].uses_uv));
+std::optional<SurfaceHit> Scene::place_on_shape(const Ray& ray, const Intersection& i) const {
+    std::optional<SurfaceHit> hit(std::in_place, geometry_at(i, ray, surfaces_[i.shape].uses_uv));
     hit->primitive = i.primitive;
-    if (hit->normals_agree_about(ray.d)) return;
+    if (hit->normals_agree_about(ray.d)) return hit;
     hit->delta_only = true;
     hit->ns = hit->ns.dot(hit->ng) > 0.f ? hit->ng : Vec3(-hit->ng);
+    return hit;
 }
 
 MaterialPoint Scene::material_point(const Material& material, const SurfaceHit& hit) const {

@@ -208,7 +208,7 @@ private:
     std::optional<LightSample> sample_chosen(std::uint32_t light, float probability, const Vec3& p,
                                              const Vec2& u) const;
     std::optional<SurfaceHit> surface_on(const Ray& ray, const Intersection& i) const;
-    void place_on_shape(const Ray& ray, const Intersection& i, std::optional<SurfaceHit>& hit) const;
+    std::optional<SurfaceHit> place_on_shape(const Ray& ray, const Intersection& i) const;
     void resolve_material(const Material& material, SurfaceHit& hit) const;
     MaterialPoint material_point(const Material& material, const SurfaceHit& hit) const;
 

@@ -94,7 +94,8 @@ public:
         const bool shadow_matters = !leaves && carried >= allowed_;
         const auto visible = visibility(rays, pair, leaves ? few_rays : more_rays, shadow_matters);
         if (!visible) return split(pair, pairs);
-        const double passing = *visible > 0 ? *visible * open_share(pair) : 0;
+        if (*visible == 0) return;
+        const double passing = *visible * open_share(pair);
         const double areas = light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
         const bool cluster = p.is_cluster() || q.is_cluster();
         const double exchange = unoccluded(p, q) * passing / (cluster ? areas : 1);

@@ -43,8 +43,8 @@ public:
         PathWalk& walk = vertex.walk;
         Color radiance = Color::Zero();
         if (settings_.samples_lights)
-            radiance += sample_direct_light(walk.rays, p, vertex.wo, walk.sampler.at_vertex(walk.at.vertex),
-                                            walk.surroundings(), LightTechniques::light_sampling_only);
+            radiance += sample_direct_light(walk.rays, p, vertex.wo, walk.vertex_numbers, walk.surroundings(),
+                                            LightTechniques::light_sampling_only);
         if (maps_.volume.size() > 0) {
             const Medium& medium = *walk.at.medium;
             const Scattered found = maps_.volume_estimator.within(medium.mean_free_path_at(p))

@@ -122,7 +122,7 @@ private:
             const Color fluence = (sigma_s > 0.f).select(at_.beta / sigma_s, Color::Zero());
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
-        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const VertexNumbers& u = walk_.vertex_numbers;
         if (const auto known = guide_.guide ? guide_.guide->in_medium(p) : std::nullopt) {
             if (!allows_edge(at_.vertex + 2)) return false;
             const auto wi = guide_.guide->scatter_in_medium(*known, walk_, u, guide_.first_power, false);
@@ -152,15 +152,13 @@ private:
     /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
     /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
     /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
-    /// that its power has got there. A guide, where it knows the
-    /// place, chooses and plays roulette by itself. Empty if the photon ends here.
+    /// that its power has got there. A guide, where it knows the place, chooses and plays roulette by itself. Empty if the photon ends here.
     std::optional<ScatteredRay> scattered(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
         if (const auto known = guide_.guide ? guide_.guide->at_surface(hit, wo, wo_local) : std::nullopt)
-            return guide_.guide->scatter(*known, walk_, hit, wo_local, walk_.sampler.at_vertex(at_.vertex),
-                                         guide_.first_power, false);
+            return guide_.guide->scatter(*known, walk_, hit, wo_local, walk_.vertex_numbers, guide_.first_power, false);
         const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
         const Color albedo = c.diffuse + c.specular;
-        const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+        const VertexNumbers& u = walk_.vertex_numbers;
         const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
         if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return std::nullopt;
         return walk_.scatter(hit, wo_local, u, Transport::power, false);

@@ -53,7 +53,7 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
             if (is_last) break;
             path.path_class.in_medium = true;
             directions.arrive(*p, Vec3::Zero());
-            const VertexNumbers u = sampler.at_vertex(path.vertex);
+            const VertexNumbers& u = walk.vertex_numbers;
             if (light_sampling)
                 add(path.path_class,
                     path.beta * sample_direct_light(walk.rays, *p, walk.wo(), u, walk.surroundings(), both));
@@ -70,7 +70,7 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
 
         walk.disperse(*hit, dimension::stratum);
         directions.arrive(hit->p, normal_towards(*hit, walk.wo()));
-        const VertexNumbers u = sampler.at_vertex(path.vertex);
+        const VertexNumbers& u = walk.vertex_numbers;
         const Vec3 wo_local = hit->shading.to_local(walk.wo());
         const LobeTraits& lobes = hit->bsdf->traits_at(wo_local.z());
         const bool sees_lights = light_sampling && (lobes.diffuse || lobes.glossy);

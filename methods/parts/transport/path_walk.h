@@ -49,7 +49,7 @@ class PathWalk {
 public:
     /// Starts along `first`, which has been traced, in `medium`. `queries` and `numbers` must outlive this.
     PathWalk(RayQueries& queries, const Sampler& numbers, const TracedRay& first, const Medium* medium)
-        : rays(queries), sampler(numbers), flights(numbers), ray(first) {
+        : rays(queries), sampler(numbers), vertex_numbers(numbers.at_vertex(0)), flights(numbers), ray(first) {
         at.previous = first.ray.o;
         at.medium = medium;
     }
@@ -63,6 +63,8 @@ public:
 
     RayQueries& rays;
     const Sampler& sampler;
+    /// Random numbers of the next vertex. They are computed before the ray is traced, as the processor overlaps the two.
+    VertexNumbers vertex_numbers;
     NumberStream flights;  ///< random numbers of flights through media
     TracedRay ray;
     PathState at;
@@ -176,16 +178,14 @@ public:
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
         at.previous_side = scene().lit(hit, wo()).side;
-        ++at.vertex;
-        ray.hides_emitters = false;
+        leave_vertex();
         trace_from(hit, wi);
     }
     /// The same from a scattering event at p in the medium.
     void go_on(const Vec3& p, const Vec3& wi) {
         at.previous = p;
         at.previous_side = Vec3::Zero();
-        ++at.vertex;
-        ray.hides_emitters = false;
+        leave_vertex();
         ray.ray = {p, wi};
         rays.trace(ray);
     }
@@ -195,6 +195,10 @@ private:
     Vec3 flight_start() const { return ray.ray.o + ray.ray.t_min * ray.ray.d; }
     float flight_length() const { return (ray.found ? ray.found->t : ray.ray.t_max) - ray.ray.t_min; }
 
+    void leave_vertex() {
+        vertex_numbers = sampler.at_vertex(++at.vertex);
+        ray.hides_emitters = false;
+    }
     void trace_from(const SurfaceHit& hit, const Vec3& wi) {
         if (scene().has_media()) at.medium = scene().medium_beyond(hit, wi, at.medium);
         ray.ray = hit.spawn_ray(wi);

@@ -64,7 +64,7 @@ private:
             length_ += (hit->p - at_.previous).norm();
             walk_.disperse(*hit, dimension::stratum);
             if (splits > 0 && split(*hit, splits)) return;
-            const VertexNumbers u = walk_.sampler.at_vertex(at_.vertex);
+            const VertexNumbers u = walk_.vertex_numbers;
             const Vec3 wo_local = hit->shading.to_local(walk_.wo());
             if (!hit->delta_only && hit->bsdf->traits_at(wo_local.z()).diffuse) visitor_.diffuse(vertex(), *hit, u);
             const auto wi = scatter_specularly(*hit, wo_local, u);

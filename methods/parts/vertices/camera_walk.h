@@ -40,7 +40,7 @@ public:
         while (goes_on && walk_.at.vertex < rules_.max_edges) {
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
-            const VertexNumbers u = walk_.sampler.at_vertex(walk_.at.vertex);
+            const VertexNumbers u = walk_.vertex_numbers;
             goes_on = flight.scattering_at ? scatters_in_medium(*flight.scattering_at, u) : leaves_surface(u);
         }
     }

@@ -41,7 +41,7 @@ public:
             const float before = walk_.at.beta.maxCoeff();
             const Flight flight = walk_.fly();
             if (flight.is_black) return;
-            const VertexNumbers u = walk_.sampler.at_vertex(walk_.at.vertex);
+            const VertexNumbers u = walk_.vertex_numbers;
             goes_on = flight.scattering_at ? scatters_in_medium(*flight.scattering_at, before, u) : leaves_surface(u);
         }
     }
