@@ -14,6 +14,8 @@ constexpr std::array<std::string_view, 3> guiding_names = {"auto", "on", "off"};
 constexpr std::uint64_t pilot_key = 0x9071;  // keeps the pilot's numbers apart from those of the image
 constexpr std::uint64_t pilot_photons = 4096;
 constexpr std::size_t pilot_eyes = 4096;
+/// Importons and the pilot's photons go no further: among white walls they would not end.
+constexpr int most_edges = 24;
 /// `auto` guides if less of the light reaches places that are seen: in the library, where the eye sees a corner of the scene.
 constexpr double most_used = 0.05;
 constexpr double least_used = 1e-6;
@@ -78,9 +80,12 @@ void add_importons(Plan& plan, Guiding guiding, std::string why_not) {
     plan.add(step_importons, guiding == Guiding::off ? "guide=off" : std::move(why_not));
 }
 
-std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding, const LightUse& use, const Plan& plan,
-                                             std::uint64_t seed, StageTimes& stages, std::uint64_t& rays) {
+std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding, const LightUse& of_method,
+                                             const Plan& plan, std::uint64_t seed, StageTimes& stages,
+                                             std::uint64_t& rays) {
     if (!plan.runs(step_importons)) return nullptr;
+    LightUse use = of_method;
+    use.max_edges = std::min(use.max_edges, most_edges);
     const auto timer = stages.time(step_importons);
     const PhotonMapKind kind = use.uses_direct ? PhotonMapKind::full : PhotonMapKind::global;
     Pilot pilot(scene, use, seed);

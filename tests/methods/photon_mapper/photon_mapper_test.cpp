@@ -280,8 +280,9 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 /// and of the options that affect it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
-        // Shadow photons, and light along rays in media, have tests of their own. Without the former, the option `shadows` is refused.
-        return !is_one_of(name, gathering) && name != "shadows" && name != "volume";
+        // Shadow photons, light along rays in media and guided photons have tests of their own. Without the first, the option
+        // `shadows` is refused.
+        return !is_one_of(name, gathering) && name != "shadows" && name != "volume" && name != "guide";
     });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
