@@ -58,6 +58,8 @@ public:
     double kept_power() const;
     /// The density of a start in the light's bins in direction w, as of emission_pdf(), with the choice of the light.
     double density(const Scene& scene, std::size_t light, const Vec3& w, float cos_light) const;
+    /// The light as the bins cut it: one at infinity over the disc that covers the targets, if this is smaller than the scene's.
+    const Light& light_of(const Scene& scene, std::size_t light) const;
     /// Whether a ray of the light meets a target: one that starts at p in direction w, or for a light at infinity the
     /// whole line through p. The bins hold all such rays.
     bool meets_target(const Scene& scene, std::size_t light, const Vec3& p, const Vec3& w) const;
@@ -73,7 +75,6 @@ private:
     };
     class Refinement;
 
-    const Light& light_of(const Scene& scene, std::size_t light) const;
     void prepare_choice();
 
     ProjectionTargets targets_;
