@@ -128,7 +128,8 @@ private:
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            tracing_.is_guided() ? most_guided_photons : most_photons, kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
+                            tracing_.is_guided() ? most_guided_photons : most_photons,
+                            kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
     void find_first_radii() {

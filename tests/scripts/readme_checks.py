@@ -20,13 +20,13 @@ TINY = """scenes = [{scenes}]
 resolution = [16, 16]
 seeds = 2
 [budget]
-passes = 2
+passes = 8
 [reference]
 target = "20%"
 seconds = 5
 [[method]]
 name = "path"
-spp = [1, 2]
+spp = [1, 8]
 [[method]]
 name = "photon_mapper"
 photons = 100
