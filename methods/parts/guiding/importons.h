@@ -25,7 +25,7 @@ struct ImportonVertex {
     double weight;  ///< throughput of the importon, luminance
 };
 
-/// What importons have found.
+/// The finds of importons.
 struct ImportonPlaces {
     std::vector<ImportonVertex> used = {};      ///< places where light is used
     std::vector<ImportonVertex> needed = {};    ///< places from where it is sent there

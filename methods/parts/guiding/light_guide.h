@@ -36,8 +36,8 @@ public:
     const LightEmission* emission() const { return emission_ ? &*emission_ : nullptr; }
     const LightEmission* caustic_emission() const { return caustic_emission_ ? &*caustic_emission_ : nullptr; }
 
-    /// What the field knows where the path has come to a surface, or to p in a medium; empty where it knows nothing, or no
-    /// lobe can follow it.
+    /// The field's knowledge where the path has come to a surface, or to p in a medium; empty where it knows nothing, or no lobe
+    /// can follow it.
     std::optional<RadianceField::Distribution> at_surface(const SurfaceHit& hit, const Vec3& wo,
                                                           const Vec3& wo_local) const;
     std::optional<RadianceField::Distribution> in_medium(const Vec3& p) const;

@@ -22,7 +22,7 @@ constexpr double least_used = 1e-6;
 /// ... and if guided photons tell so many times as much for their rays, which take about twice the time.
 constexpr double least_gain = 3;
 
-/// What a pilot's photons are worth where light is used.
+/// The worth of a pilot's photons where light is used.
 struct PilotLight {
     double power = 0;        ///< over that which leaves the lights
     double information = 0;  ///< photons of equal power that would tell as much, (sum of P)^2 / sum of P^2, over rays
@@ -90,10 +90,11 @@ std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding
     const PhotonMapKind kind = use.uses_direct ? PhotonMapKind::full : PhotonMapKind::global;
     Pilot pilot(scene, use, seed);
     std::shared_ptr<LightGuide> guide;
-    if (guiding == Guiding::on || pilot.light(PhotonMapKind::full, nullptr).power < most_used) {
+    const PilotLight all = pilot.light(PhotonMapKind::full, nullptr);
+    if (guiding == Guiding::on || all.power < most_used) {
         guide = std::make_shared<LightGuide>(scene, use, seed);
         rays += guide->rays();
-        const PilotLight without = pilot.light(kind, nullptr);
+        const PilotLight without = kind == PhotonMapKind::full ? all : pilot.light(kind, nullptr);
         guide->want(std::max(without.power, least_used));
         guide->want(std::max(pilot.light(kind, guide.get()).power, least_used));
         if (guiding == Guiding::automatic &&
