@@ -26,6 +26,8 @@ using nlohmann::json;
 
 /// Triangles of the scene on a page, which take 9 MB in base64.
 constexpr std::size_t most_triangles = 160000;
+/// Cells of a field on a page, which take 11 MB in base64.
+constexpr std::size_t most_cells = 8000;
 /// Pixels whose values a page has: an image of them takes 160 kB in base64.
 constexpr int most_pixels = 10000;
 
@@ -138,6 +140,29 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
     arrays.add("patch-corners", patches.corners, position_of);
     arrays.add("patch-radiosities", patches.radiosity, color_of);
     arrays.add("patch-indices", patches.patches);
+}
+
+/// The densities of each cell are relative to their peak, as square roots in bytes.
+json cells_json(const std::vector<RadianceField::Cell>& all, Arrays& arrays) {
+    std::vector<RadianceField::Cell> cells;
+    std::vector<std::uint8_t> densities;
+    std::vector<float> peaks;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all.size() <= most_cells || is_at_step(i, all.size(), most_cells)) cells.push_back(all[i]);
+    for (const RadianceField::Cell& cell : cells) {
+        const float peak = std::ranges::max(cell.shares);
+        peaks.push_back(peak * static_cast<float>(cell.shares.size()) * 0.25f * inv_pi);
+        for (const float share : cell.shares)
+            densities.push_back(static_cast<std::uint8_t>(std::lround(255.f * std::sqrt(share / peak))));
+    }
+    arrays.add("cell-lower", cells, [](const auto& cell) { return position_of(cell.lower); });
+    arrays.add("cell-upper", cells, [](const auto& cell) { return position_of(cell.upper); });
+    arrays.add("cell-facing", cells, [](const auto& cell) { return cell.facing; });
+    arrays.add("cell-selections", cells, [](const auto& cell) { return cell.selection; });
+    arrays.add("cell-radiances", cells, [](const auto& cell) { return cell.reflected; });
+    arrays.add("cell-peaks", peaks);
+    arrays.add("cell-densities", densities);
+    return {{"stored", all.size()}, {"shown", cells.size()}, {"depth", depth_of_cells}};
 }
 
 /// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
@@ -263,6 +288,7 @@ std::string photons_page(const PageContent& content) {
                   {"dispersive", scene.has_dispersion()},
                   {"strata", strata_json()},
                   {"estimates", estimates_json(content, arrays)},
+                  {"cells", cells_json(light.cells, arrays)},
                   {"records", light.records.size()},
                   {"patches", light.patches.patches.size()}};
     add_records(light.records, arrays);
@@ -280,8 +306,9 @@ std::string photons_page(const PageContent& content) {
         {"arrays", arrays.elements()},
         {"imports", imports.dump()},
         {"script", embedded_scripts({"report_page/core.js", "report_page/controls.js", "photons_page/data.js",
-                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/view.js",
-                                     "photons_page/panel.js", "photons_page/estimates.js", "photons_page/page.js"})}};
+                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/cells.js",
+                                     "photons_page/view.js", "photons_page/panel.js", "photons_page/estimates.js",
+                                     "photons_page/page.js"})}};
     return filled(embedded_file("photons_page/page.html"), values,
                   [](std::string_view text) { return std::string(text); });
 }

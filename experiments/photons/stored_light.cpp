@@ -86,7 +86,8 @@ std::vector<std::size_t> even_shares(const std::vector<std::size_t>& counts, std
 void require_stored_light(const MethodLabel& method) {
     const auto names = names_of_methods_that_store_light();
     if (std::ranges::find(names, method.name) == names.end())
-        reject({}, "'{}' stores no photons, irradiance records or patches that could be shown; methods that do: {}",
+        reject({},
+               "'{}' stores no photons, irradiance records, patches or field that could be shown; methods that do: {}",
                method.name, fmt::join(names, ", "));
 }
 
@@ -117,6 +118,7 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
     light.photons = photons.maps();
     light.records = std::move(stored.records);
     light.patches = std::move(stored.patches);
+    light.cells = std::move(stored.cells);
     return light;
 }
 

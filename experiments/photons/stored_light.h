@@ -75,11 +75,12 @@ struct CollectedLight {
     std::vector<PhotonSubset::Map> photons;
     std::vector<StoredRecord> records;
     StoredPatches patches;
+    std::vector<RadianceField::Cell> cells;
     std::uint32_t passes = 0;          ///< number of passes made
     bool photons_of_passes = false;    ///< whether each pass has photons of its own
     std::vector<std::string> skipped;  ///< passes of the plan that were not run, with the reasons
 
-    bool empty() const { return photons.empty() && records.empty() && patches.patches.empty(); }
+    bool empty() const { return photons.empty() && records.empty() && patches.patches.empty() && cells.empty(); }
 };
 
 /// Throws InputError, which names the methods that store light, if the method is none of them.

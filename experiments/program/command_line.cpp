@@ -326,7 +326,8 @@ void add_compare_runs(CLI::App& app, Action& action) {
 void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
-        "photons", "write a page that shows photons, irradiance records or radiosity patches in the scene in 3D");
+        "photons",
+        "write a page that shows photons, irradiance records, radiosity patches or a learned field in the scene in 3D");
     command->add_option("SCENE", options->scene, scene_help)->required();
     command
         ->add_option("--method", options->method,

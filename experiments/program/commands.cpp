@@ -111,6 +111,7 @@ void print_what_is_shown(const CollectedLight& light, std::ostream& out) {
     if (!light.records.empty()) out << fmt::format("irradiance records: {}\n", light.records.size());
     if (!light.patches.patches.empty())
         out << fmt::format("patches: {}, corners: {}\n", light.patches.patches.size(), light.patches.corners.size());
+    if (!light.cells.empty()) out << fmt::format("cells of the field: {}\n", light.cells.size());
     if (light.passes > 0) out << fmt::format("passes: {}\n", light.passes);
 }
 

@@ -12,6 +12,7 @@
 // noisy as that of `path`.
 #include "common/scene/scene.h"
 #include "methods/guided_path/guided_directions.h"
+#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/transport/point_set_parameter.h"
@@ -89,6 +90,9 @@ public:
         return {{"cells", std::to_string(field_.leaf_count())},
                 {"quadtree_nodes", std::to_string(field_.node_count())}};
     }
+    StoredLight stored_light() const override {
+        return {.cells = field_.cells(depth_of_cells), .changes_with_passes = learns_};
+    }
 
 private:
     /// The field learns from one of so many passes of an iteration: more paths than these tell it little, and take time.
@@ -160,6 +164,7 @@ MethodDescription describe_guided_path() {
         },
         // A short pilot shows the variance before the field has learned.
         .makes_references = false,
+        .stores_light = true,
     };
 }
 

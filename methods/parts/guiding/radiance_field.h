@@ -57,6 +57,9 @@ public:
         float indirect() const { return leaf_->indirect; }
         /// In proportion to the radiance from wi, times the cosine at surfaces [1/sr].
         float pdf_w(const Vec3& wi) const;
+        /// The probabilities of 2^depth times 2^depth squares of equal solid angle, whose sum is 1: rows of azimuth, from x towards
+        /// y, each from below upwards.
+        std::vector<float> shares(int depth) const;
         Sample sample(Vec2 u) const;
 
     private:
@@ -81,6 +84,16 @@ public:
     /// Takes over what has been recorded since the last call. Cuts leaves with more than `crowd` visits, and quadrants with much
     /// light.
     void learn(double crowd);
+
+    /// A cell of space for surfaces of one kind of normal, and what is known there; see Distribution.
+    struct Cell {
+        Vec3 lower, upper;
+        std::uint8_t facing;  ///< normals nearest to +x, -x, +y, -y, +z, -z; 6: media
+        float selection, reflected;
+        std::vector<float> shares;
+    };
+    /// All cells, with shares of this depth.
+    std::vector<Cell> cells(int depth) const;
 
     std::size_t leaf_count() const { return leaves_.size(); }
     std::size_t node_count() const { return nodes_.size(); }

@@ -74,6 +74,26 @@ TEST(PhotonsPage, HoldsThePhotonsOfTheRun) {
     }
 }
 
+TEST(PhotonsPage, HoldsTheCellsOfAField) {
+    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
+    const CollectedLight light = light_of(box, "guided_path", 1, 16);
+    EXPECT_EQ(light.passes, 16u);
+    const std::string page = photons_page({box, "guided_path", 1, light});
+    const auto peaks = array<float>(page, "cell-peaks"), lower = array<float>(page, "cell-lower");
+    const auto densities = array<std::uint8_t>(page, "cell-densities");
+    ASSERT_GT(light.cells.size(), 7u);
+    ASSERT_EQ(peaks.size(), light.cells.size());
+    ASSERT_EQ(densities.size(), peaks.size() << (2 * depth_of_cells));
+    for (std::size_t c = 0; c < peaks.size(); ++c) {
+        EXPECT_EQ(lower[3 * c + 2], light.cells[c].lower.z());
+        for (std::size_t i = 0; i < light.cells[c].shares.size(); ++i) {
+            const double root = densities[(c << (2 * depth_of_cells)) + i] / 255.;
+            const double expected = double{light.cells[c].shares[i]} * 1024 / (4 * std::numbers::pi);
+            EXPECT_NEAR(std::sqrt(expected / double{peaks[c]}), root, 0.0021);
+        }
+    }
+}
+
 TEST(PhotonsPage, HoldsWavelengthsAndPasses) {
     const auto prism =
         Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.7)),

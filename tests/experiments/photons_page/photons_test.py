@@ -29,6 +29,7 @@ PAGES = {
     "passes": ("cornell-box", "--method", "progressive_photon_mapper photons=1000 radius=0.1", "--passes", "3"),
     "rainbow": ("rainbow", "--method", "photon_mapper photons=3000"),
     "radiosity": ("cornell-box", "--method", "radiosity patch=0.1"),
+    "field": ("cornell-box", "--method", "guided_path", "--passes", "16"),
     "estimates": ("cornell-box", "--method", "photon_mapper photons=4000 k=20", "--reference", "truth.exr"),
 }
 
@@ -382,6 +383,37 @@ class AreaTest(PhotonsCase):
         self.assertFalse(self.find("#picked").is_displayed(), "nothing lies there")
         self.check("radiosity")
         self.assertEqual(self.drawn(), 0)
+
+    def test_a_click_tells_what_a_cell_has_learned(self):
+        page = self.open("field")
+        self.assertIn(" cells", self.shown())
+        boxes = self.drawn()
+        self.choose("Surfaces that face", "+y")
+        self.assertLess(self.drawn(), boxes)
+        # A place of the floor that the camera sees.
+        points, normals = page.array("pixel-points", "3f"), page.array("pixel-normals", "3b")
+        place = [p for p, n in zip(points, normals) if n == (0, 127, 0) and abs(p[1]) < 1e-3][40]
+        at = self.script("""
+            const {view} = arguments[0], p = view.camera.position.clone().fromArray(arguments[1]).project(view.camera);
+            return [p.x, p.y]""", self.stage, place)
+        size = self.stage.size
+        ActionChains(self.driver).move_to_element_with_offset(
+            self.stage, round(at[0] * size["width"] / 2), round(-at[1] * size["height"] / 2)).click().perform()
+        words = self.find("#picked").text
+        self.assertIn("Cell of surfaces that face +y", words)
+        lower, upper = page.array("cell-lower", "3f"), page.array("cell-upper", "3f")
+        facing, peaks = page.array("cell-facing", "B"), page.array("cell-peaks", "f")
+        inside = [peak for low, high, (way,), (peak,) in zip(lower, upper, facing, peaks)
+                  if way == 2 and all(a <= v < b for a, v, b in zip(low, place, high))]
+        self.assertEqual(len(inside), 1)
+        self.assertAlmostEqual(float(re.search(r"peak ([\d.]+) / sr", words)[1]) / inside[0], 1, delta=0.006)
+        lobe = self.script("""
+            const geometry = arguments[0].layers.cells.picked.children[1].geometry;
+            geometry.computeBoundingBox();
+            return [geometry.boundingBox.min.y, geometry.boundingBox.max.y]""", self.stage)
+        self.assertGreater(lobe[1], 10, "directions upwards are learned")
+        self.check("boxes")
+        self.assertIn("no cells", self.shown())
 
     def test_surfaces(self):
         self.open("glass")
