@@ -392,7 +392,7 @@ class AreaTest(PhotonsCase):
         self.assertLess(self.drawn(), boxes)
         # A place of the floor that the camera sees.
         points, normals = page.array("pixel-points", "3f"), page.array("pixel-normals", "3b")
-        place = [p for p, n in zip(points, normals) if n == (0, 127, 0) and abs(p[1]) < 1e-3][40]
+        place = [p for p, n in zip(points, normals) if n == (0, 127, 0) and p[1] < -274][20]
         at = self.script("""
             const {view} = arguments[0], p = view.camera.position.clone().fromArray(arguments[1]).project(view.camera);
             return [p.x, p.y]""", self.stage, place)
@@ -411,7 +411,8 @@ class AreaTest(PhotonsCase):
             const geometry = arguments[0].layers.cells.picked.children[1].geometry;
             geometry.computeBoundingBox();
             return [geometry.boundingBox.min.y, geometry.boundingBox.max.y]""", self.stage)
-        self.assertGreater(lobe[1], 10, "directions upwards are learned")
+        self.assertGreater(lobe[1] - place[1], 40, "paths go upwards")
+        self.assertGreater(lobe[0] - place[1], -10, "and hardly into the floor")
         self.check("boxes")
         self.assertIn("no cells", self.shown())
 
