@@ -374,7 +374,8 @@ MadeBatch ReferenceMaker::make(const MethodDescription& method, const MethodLabe
     const RunCounts counts = run->counts();
     if (const NonFinite& bad = counts.non_finite; bad.count > 0)
         made.dropped = {bad.count, fmt::format("seed {}, pass {}, pixel {}", seed, bad.first_pass, bad.first_pixel)};
-    made.work = static_cast<double>(counts.rays) + static_cast<double>(made.images.width) * made.images.height * passes;
+    const double samples = static_cast<double>(made.images.width) * made.images.height * passes;
+    made.work = method.ray_cost * (static_cast<double>(counts.rays) + samples);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return made;
 }

@@ -3,10 +3,10 @@
 //
 // A reference of `auto` takes every unbiased method as a maker. A pilot measures for each maker m and component c the
 // variance of one pass, relative as the reference's error is and averaged over the image, times the work of a pass:
-// V_cm. Work is the number of rays and of camera samples rather than a time, so that it is the same in every run on every
-// machine; that it tells the time of a pass within a factor is enough, because shares off by a factor of two cost a few
-// per cent and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in proportion to
-// t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
+// V_cm. Work is the number of rays and of camera samples, times MethodDescription::ray_cost, rather than a time, so that
+// it is the same in every run on every machine. It need tell the time of a pass only roughly: shares that are off cost
+// time and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in
+// proportion to t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
 // these variances as small as possible. If that gains little over the best maker, this one does nine tenths of the work. A second
 // one always gets a tenth, so that there is something to compare with (reference_agreement.h). Where a maker would weigh less than
 // a tenth, it makes none of a component: little is gained by its images, and their rare bright hits might be missing. Weights and shares are fixed before

@@ -67,7 +67,7 @@ std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint3
 struct MadeBatch {
     ComponentImages images;
     DroppedSamples dropped = {};
-    double work = 0;     ///< rays and camera samples; the same on every machine, which seconds are not
+    double work = 0;  ///< rays and camera samples, in those of `path`; the same on every machine, which seconds are not
     double seconds = 0;  ///< wall-clock
 };
 

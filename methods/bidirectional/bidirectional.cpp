@@ -81,6 +81,7 @@ MethodDescription describe_bidirectional() {
                 guiding_of(values),
             });
         },
+        .ray_cost = 1.4,
     };
 }
 

@@ -162,8 +162,10 @@ MethodDescription describe_guided_path() {
             return std::make_unique<GuidedPath>(
                 Settings{point_set_of(values), values.number("memory"), max_edges_of(values, defaults)});
         },
-        // A short pilot shows the variance before the field has learned.
+        // A short pilot shows the variance before the field has learned, and batches with seeds of their own forget it: tried, it
+        // made references no sooner (experiments/STUDIES.md).
         .makes_references = false,
+        .ray_cost = 2,
         .stores_light = true,
     };
 }

@@ -1,20 +1,16 @@
-// A view of the stored photons or irradiance records: a point of a surface lights up where one of them is near.
+// A view of the stored photons: a point of a surface lights up where one of them is near.
 //
 // Computes: no radiance. Each sample follows the eye path through specular surfaces to the first diffuse surface. If
 // the nearest photon of the map lies within `size` there, the sample is the photon's power divided by the map's mean
 // power, in the component that the map serves. For the volume map, points along the whole path are looked up.
 // Surfaces without a photon near are dim grey, in the component `emission`, so that the photons can be located.
-// Records show their irradiance divided by the mean over all records; they are the records of an irradiance cache
-// that gathers by path tracing, as they are before the first pass.
-// Parameters: map = global | caustic | volume | records; photons [emitted]; size [fraction of the scene's diagonal];
-// for records gather, accuracy, spacing, min_spacing and max_spacing as for photon_mapper; spp and
+// Parameters: map = global | caustic | volume; photons [emitted]; size [fraction of the scene's diagonal]; spp and
 // max_depth as for all methods.
 // Bias: does not apply, as nothing is estimated.
 // A pass: one sample of every pixel. The map is filled at the start, with the same photons as in photon_mapper with
 // the same seed and projection=off.
 // Fails: never; an empty map shows no photon.
 #include "methods/method.h"
-#include "methods/parts/gathering/cached_gather.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/transport/eye_sample_run.h"
@@ -38,24 +34,6 @@ struct PhotonViewSettings {
     std::uint64_t photons;  ///< emitted
     double size;            ///< radius of a point, as a fraction of the scene's diagonal
     int max_edges;
-    bool records;  ///< show the records of an irradiance cache instead of photons
-    int gather;    ///< rays that are gathered for a record
-    CacheSettings spacing;
-};
-
-/// An irradiance cache with all it refers to; it is filled before the first pass.
-struct Records {
-    GatheredLight light;
-    FinalGather gather;
-    CachedGather cache;
-
-    Records(const Scene& scene, const PhotonViewSettings& settings)
-        : light{.source = GatherSource::paths,
-                .max_edges = settings.max_edges,
-                .samples_lights = true,
-                .follows_specular = true},
-          gather(light, settings.gather),
-          cache(scene, gather, settings.spacing) {}
 };
 
 Component component_of(PhotonMapKind kind) {
@@ -69,38 +47,27 @@ Plan photon_view_plan(const Scene& scene, const PhotonViewSettings& settings) {
     plan.called_for = effects_of(scene);
     plan.unresolved.assign(all_components.begin(), all_components.end());
     const bool has_scattering = settings.kind != PhotonMapKind::volume || scene.has_scattering_media();
-    const bool split = scene.has_media() || scene.has_dispersion();
-    if (settings.records)
-        plan.add("irradiance cache", scene.has_light() && !split,
-                 split ? "nothing is gathered in scenes with media or dispersion" : "nothing emits light");
-    else
-        plan.add("photon map", scene.has_light() && has_scattering,
-                 scene.has_light() ? "no medium scatters light" : "nothing emits light");
+    plan.add("photon map", scene.has_light() && has_scattering,
+             scene.has_light() ? "no medium scatters light" : "nothing emits light");
     plan.add(step_eye_paths, "");
     return plan;
 }
 
-/// The points of light that are shown: the photons of a map, or the records of an irradiance cache.
+/// The photons that are shown.
 struct ShownPoints {
     const Scene& scene;
     PhotonMapKind kind;
     float size;  ///< radius of a point [scene units]
     PhotonMap map = {};
-    std::unique_ptr<Records> records = {};  ///< null if photons are shown
-    float per_mean_power = 0.f;             ///< 1 / mean over photons [1/unit] or records [m^2/W], and channels
+    float per_mean_power = 0.f;  ///< 1 / mean over photons and channels [1/unit]; 0 without photons
 };
 
-/// The reciprocal of a mean, or 0 if the sum is 0.
-float per_mean(double sum, std::size_t count) {
-    return sum > 0 ? static_cast<float>(static_cast<double>(count) / sum) : 0.f;
-}
-
-/// The estimate of a pixel: shows the first point of light on an eye path.
+/// The estimate of a pixel: shows the first photon on an eye path.
 class View {
 public:
     explicit View(std::shared_ptr<const ShownPoints> shown) : shown_(std::move(shown)) {}
 
-    /// One sample of a pixel: follows the eye path `traced` to the first diffuse surface, photon or record.
+    /// One sample of a pixel: follows the eye path `traced` to the first diffuse surface or photon.
     PixelSample operator()(RayQueries& rays, TracedRay traced, const Sampler& sampler) {
         PixelSample sample;
         for (int vertex = 0; vertex < max_specular_vertices; ++vertex) {
@@ -116,10 +83,8 @@ public:
                 const auto on_side = [&](const Photon& photon, float) {
                     return photon.surface_normal().dot(side) > 0.f;
                 };
-                const bool lit = shown_->records
-                                     ? light_up_record(*hit, side, sample)
-                                     : shown_->kind != PhotonMapKind::volume && light_up(hit->p, on_side, sample);
-                if (!lit) sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
+                if (shown_->kind == PhotonMapKind::volume || !light_up(hit->p, on_side, sample))
+                    sample[Component::emission] = Color::Constant(grey * std::abs(wo_local.z()));
                 return sample;
             }
             Vec3 wi = traced.ray.d;  // straight on, if the surface scatters nothing
@@ -144,13 +109,6 @@ private:
         if (!nearest) return false;
         sample[component_of(shown_->kind)] = shown_->map[nearest->index].power() * shown_->per_mean_power;
         return true;
-    }
-
-    /// If a record lies near the hit on this side, writes its colour into the sample and returns true.
-    bool light_up_record(const SurfaceHit& hit, const Vec3& side, PixelSample& sample) const {
-        const IrradianceRecord* record = shown_->records->cache.cache().nearest(hit.p, side, shown_->size);
-        if (record) sample[Component::indirect] = record->irradiance * shown_->per_mean_power;
-        return record != nullptr;
     }
 
     /// If a photon lies near the ray before `end`, writes the colour of the first into the sample and returns true.
@@ -183,28 +141,12 @@ public:
         auto points = std::make_shared<ShownPoints>(
             ShownPoints{scene, settings_.kind, static_cast<float>(settings_.size) * scene.diagonal()});
         EyeSampling sampling{.scene = scene, .points = PointSet::sobol, .seed = seed, .stages = stages};
-        if (planned.runs("irradiance cache")) make_records(*points, sampling);
         if (planned.runs("photon map")) trace_map(*points, sampling);
         return average_eye_samples(sampling, {{Component::emission, component_of(settings_.kind)}, {}},
                                    View(std::move(points)));
     }
 
 private:
-    /// Fills the irradiance cache; `overture` is Radiance's name for filling a cache ahead of rendering.
-    void make_records(ShownPoints& points, EyeSampling& sampling) const {
-        const Sensor& sensor = sampling.scene.sensor();
-        const auto timer = sampling.stages.time("irradiance cache");
-        StageProgress progress(sampling.stages, "irradiance cache",
-                               static_cast<std::uint64_t>(sensor.width() * sensor.height()));
-        points.records = std::make_unique<Records>(sampling.scene, settings_);
-        CachedGather& cache = points.records->cache;
-        sampling.rays = cache.overture({settings_.max_edges, true, true}, sampling.seed, &progress);
-        double sum = 0;
-        for (const IrradianceRecord& record : cache.cache().records())
-            sum += static_cast<double>(record.irradiance.mean());
-        points.per_mean_power = per_mean(sum, cache.cache().size());
-    }
-
     /// Traces the photons (Jensen 2001, section 9.3) and builds their map.
     void trace_map(ShownPoints& points, EyeSampling& sampling) const {
         const auto timer = sampling.stages.time("photon tracing");
@@ -216,7 +158,7 @@ private:
         double sum = 0;
         for (const Photon& photon : walk.photons)
             sum += static_cast<double>(photon.power().mean());
-        points.per_mean_power = per_mean(sum, walk.photons.size());
+        if (sum > 0) points.per_mean_power = static_cast<float>(static_cast<double>(walk.photons.size()) / sum);
         points.map = PhotonMap(std::move(walk.photons), walk.unit);
     }
 
@@ -225,40 +167,25 @@ private:
 
 std::unique_ptr<Method> create_photon_view(const ParameterValues& values, const MethodDefaults& defaults) {
     const std::string map = values.choice("map");
-    const PhotonMapKind kind = map == "global"    ? PhotonMapKind::global
-                               : map == "caustic" ? PhotonMapKind::caustic
-                                                  : PhotonMapKind::volume;
-    const bool records = map == "records";
-    if (records) values.refuse({"photons"}, "map=records");
-    if (!records) values.refuse({"gather"}, "map=" + map);
-    if (!records) values.refuse(names_of(cache_parameters()), "map=" + map);
     return std::make_unique<PhotonView>(
-        PhotonViewSettings{.kind = records ? PhotonMapKind::global : kind,
+        PhotonViewSettings{.kind = map == "global"    ? PhotonMapKind::global
+                                   : map == "caustic" ? PhotonMapKind::caustic
+                                                      : PhotonMapKind::volume,
                            .photons = static_cast<std::uint64_t>(values.integer("photons")),
                            .size = values.number("size"),
-                           .max_edges = max_edges_of(values, defaults),
-                           .records = records,
-                           .gather = static_cast<int>(values.integer("gather")),
-                           .spacing = cache_settings_of(values)});
+                           .max_edges = max_edges_of(values, defaults)});
 }
 
 }  // namespace
 
 MethodDescription describe_photon_view() {
-    std::vector<Parameter> parameters = {
-        choice_parameter("map", {"global", "caustic", "volume", "records"},
-                         "the photons that are shown, or the records of an irradiance cache"),
-        count_parameter("photons", "1e4", "photons", "emitted for the map"),
-        number_parameter("size", "0.003", "scene diagonals", 1e-6, 1,
-                         "radius of the point of light that shows a photon or a record"),
-        integer_parameter("gather", "256", "rays", 1, 1e6, "gathered for each record"),
-    };
-    for (Parameter& parameter : cache_parameters())
-        parameters.push_back(std::move(parameter));
     return {
         .name = "photon_view",
         .sentence = "the photons that photon_mapper stores, as points of light: no image of the scene's radiance",
-        .parameters = std::move(parameters),
+        .parameters = {choice_parameter("map", {"global", "caustic", "volume"}, "the photons that are shown"),
+                       count_parameter("photons", "1e4", "photons", "emitted for the map"),
+                       number_parameter("size", "0.003", "scene diagonals", 1e-6, 1,
+                                        "radius of the point of light that shows a photon")},
         .simulates = Effects::all(),
         .components = {},
         .unbiased = false,

@@ -1,9 +1,6 @@
 #include "methods/radiosity/corners.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <iterator>
 #include <map>
 
 namespace gib {
@@ -31,9 +28,7 @@ PatchCorners::PatchCorners(const PatchMesh& mesh) : mesh_(mesh), of_leaf_(mesh.n
             const auto [entry, is_new] = known.try_emplace(identity_of(chart.shape, 1000 / mesh.size() * p, n),
                                                            static_cast<std::uint32_t>(places_.size()));
             of_leaf_[i][k] = entry->second;
-            if (!is_new) continue;
-            places_.push_back(p.cast<float>());
-            normals_.push_back(n);
+            if (is_new) places_.push_back(p.cast<float>());
         }
     }
 }
@@ -86,32 +81,6 @@ StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners,
     for (const std::uint32_t leaf : mesh.leaves())
         stored.patches.push_back(corners.in_turn(leaf));
     return stored;
-}
-
-std::string patches_ply(const StoredPatches& patches, const PatchCorners& corners) {
-    std::string ply = "ply\nformat ascii 1.0\ncomment radiosity: B_red, B_green, B_blue in W/m^2\n";
-    auto out = std::back_inserter(ply);
-    fmt::format_to(out, "element vertex {}\n", corners.size());
-    for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "B_red", "B_green", "B_blue"})
-        fmt::format_to(out, "property float {}\n", name);
-    for (const char* name : {"red", "green", "blue"})
-        fmt::format_to(out, "property uchar {}\n", name);
-    fmt::format_to(out, "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-                   patches.patches.size());
-    float largest = 0.f;
-    for (const Color& B : patches.radiosity)
-        largest = std::max(largest, B.maxCoeff());
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vec3 &p = corners.place(i), &n = corners.normal(i);
-        const Color &B = patches.radiosity[i], shown = largest > 0.f ? Color(255.f * B / largest) : B;
-        fmt::format_to(out, "{:.9g} {:.9g} {:.9g} {:.6g} {:.6g} {:.6g} {:.9g} {:.9g} {:.9g} {:.0f} {:.0f} {:.0f}\n",
-                       p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), B[0], B[1], B[2], shown[0], shown[1], shown[2]);
-    }
-    for (const auto& patch : patches.patches) {
-        const std::size_t count = patch[3] == patch[2] ? 3 : 4;
-        fmt::format_to(out, "{} {}\n", count, fmt::join(std::span(patch).first(count), " "));
-    }
-    return ply;
 }
 
 }  // namespace gib

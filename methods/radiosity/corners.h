@@ -16,8 +16,6 @@ public:
 
     std::size_t size() const { return places_.size(); }
     const Vec3& place(std::size_t i) const { return places_[i]; }
-    /// Shading normal on the side of the patches.
-    const Vec3& normal(std::size_t i) const { return normals_[i]; }
     /// The corners of a leaf, in the order of PatchNode::corners.
     const std::array<std::uint32_t, 4>& of_leaf(std::uint32_t node) const { return of_leaf_[node]; }
     /// The same, counter-clockwise as seen from the front of the leaf's side; a triangle has its last twice.
@@ -28,16 +26,12 @@ public:
 
 private:
     const PatchMesh& mesh_;
-    std::vector<Vec3> places_, normals_;
+    std::vector<Vec3> places_;
     std::vector<std::array<std::uint32_t, 4>> of_leaf_;  ///< by node
 };
 
 /// All leaves with the radiosity B [W/m^2] of their corners.
 StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners, const PatchLight& light,
                              const PatchColors& B);
-
-/// The patches as a PLY file (ascii, faces of three or four corners). Each corner has its position, normal, radiosity B
-/// [W/m^2] and, as red, green and blue, B over the largest value of all corners.
-std::string patches_ply(const StoredPatches& patches, const PatchCorners& corners);
 
 }  // namespace gib

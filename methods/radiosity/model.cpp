@@ -1,6 +1,5 @@
 #include "methods/radiosity/model.h"
 
-#include "common/core/files.h"
 #include "common/core/memory_limit.h"
 #include "common/core/parallel.h"
 #include "common/sampling/warp.h"
@@ -103,7 +102,6 @@ bool RadiosityModel::advance() {
     for (const Colord& E : corners_->values(E_, light_.area))
         E_at_corners_.push_back(E.cast<float>());
     shown_ = true;
-    if (!settings_.ply.empty()) write_file(settings_.ply, patches_ply(stored_patches(), *corners_));
     return true;
 }
 

@@ -11,10 +11,9 @@ namespace gib {
 struct RadiositySettings {
     double patch;  ///< longest edge of a patch [scene diagonals]
     RadiositySolver solver;
-    double links;     ///< allowed error of a link, as a share of the mean irradiance
-    int gather;       ///< final gather rays; 0: none
-    std::string ply;  ///< file for the patches; empty: none
-    int max_edges;    ///< number of edges of the longest path
+    double links;   ///< allowed error of a link, as a share of the mean irradiance
+    int gather;     ///< final gather rays; 0: none
+    int max_edges;  ///< number of edges of the longest path
 };
 
 class RadiosityModel {

@@ -4,7 +4,7 @@
 // solution of B_i = E_i + rho_i sum of F_ij B_j between patches: by default hierarchical (Hanrahan, Salzman and Aupperle
 // 1991), else by the matrix of all pairs of patches (Goral et al. 1984). Where max_depth limits paths, the reflections
 // that it allows are summed. Direct light on patches is sampled, so lights of every kind are allowed.
-// Parameters: patch, solver, links, gather, ply; spp and max_depth as for all methods.
+// Parameters: patch, solver, links, gather; spp and max_depth as for all methods.
 // Leaves out: specular surfaces, whether the eye sees them or light meets them on its way, and media. Of other
 // materials it computes the diffuse part, which counts as ideal diffuse for indirect light. A reflectance that
 // varies over a surface enters the exchange of light as its mean over a patch; at the surfaces that the eye sees
@@ -116,7 +116,6 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
     if (values.given("links") && s.solver == RadiositySolver::direct)
         throw InputError("links says how far solver=hierarchical refines; solver=direct links every two patches");
     s.gather = static_cast<int>(values.integer("gather"));
-    s.ply = values.text("ply");
     s.max_edges = max_edges_of(values, defaults);
     if (values.text("filter") != "none")
         throw InputError(
@@ -143,15 +142,6 @@ MethodDescription describe_radiosity() {
                 integer_parameter(
                     "gather", "0", "rays", 0, 1e6,
                     "final gather rays per sample; 0: indirect light is interpolated between the corners of patches"),
-                {.name = "ply",
-                 .kind = Parameter::Kind::text,
-                 .default_value = "",
-                 .unit = "",
-                 .lower = 0,
-                 .upper = 0,
-                 .choices = {},
-                 .sentence = "PLY file for the patches with the radiosity of each corner, written after each sweep; "
-                             "default: none"},
             },
         .simulates = {Effect::direct_light, Effect::diffuse_interreflection, Effect::textures, Effect::smooth_normals,
                       Effect::depth_of_field, Effect::environment_light},

@@ -127,6 +127,7 @@ MethodDescription describe_vcm() {
         .unbiased = false,
         .create = create_vcm,
         .remainder = {"techniques=remainder", "bidirectional"},
+        .ray_cost = 1.5,
     };
 }
 

@@ -123,20 +123,6 @@ bool IrradianceCache::covers_around(const Vec3& p, const Vec3& n, float around, 
     return covered;
 }
 
-const IrradianceRecord* IrradianceCache::nearest(const Vec3& p, const Vec3& n, float radius) const {
-    const IrradianceRecord* found = nullptr;
-    float nearest2 = radius * radius;
-    const auto compare = [&](std::uint32_t i) {
-        const float distance2 = (records_[i].p - p).squaredNorm();
-        if (distance2 < nearest2 && records_[i].n.dot(n) > 0.f) {
-            nearest2 = distance2;
-            found = &records_[i];
-        }
-    };
-    for_each_within(p, radius, 0, root_, compare);
-    return found;
-}
-
 void IrradianceCache::insert(IrradianceRecord record, const RecordSpacing& spacing) {
     record.distance = std::min(record.distance, distance_by_gradient(record));
     record.distance = std::min(record.distance, spacing.greatest / accuracy_);

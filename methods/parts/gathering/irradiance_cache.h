@@ -51,8 +51,6 @@ public:
     /// Whether some record also serves, with `slack` as for interpolate(), every point of its own plane within `around`
     /// [scene units] of p.
     bool covers_around(const Vec3& p, const Vec3& n, float around, float slack) const;
-    /// The record nearest to p within `radius` [scene units] on the side of n, for display; null if there is none.
-    const IrradianceRecord* nearest(const Vec3& p, const Vec3& n, float radius) const;
 
     std::size_t size() const { return records_.size(); }
     const std::vector<IrradianceRecord>& records() const { return records_; }

@@ -117,11 +117,11 @@ std::optional<ScatteredRay> LightGuide::scatter(const RadianceField::Distributio
 }
 
 std::optional<Vec3> LightGuide::scatter_in_medium(const RadianceField::Distribution& known, PathWalk& walk,
-                                                  const VertexNumbers& u, float first_power, bool sees_lights) const {
+                                                  const VertexNumbers& u, float first_power) const {
     const auto [wi, by_phase, pdf_w] =
         scatter_by_mixture(known, selection(walk, first_power), walk.at.medium->phase(), walk.wo(), u);
     walk.at.beta *= by_phase / pdf_w;
-    walk.at.pdf_w = sees_lights ? by_phase : infinity;
+    walk.at.pdf_w = infinity;
     if (!survives(walk, first_power, most_survival(walk.at.vertex), u.roulette())) return std::nullopt;
     return wi;
 }

@@ -47,9 +47,9 @@ public:
     std::optional<ScatteredRay> scatter(const RadianceField::Distribution& known, PathWalk& walk, const SurfaceHit& hit,
                                         const Vec3& wo_local, const VertexNumbers& u, float first_power,
                                         bool sees_lights) const;
-    /// The same in a medium.
+    /// The same in a medium, for a path that weighs no lights.
     std::optional<Vec3> scatter_in_medium(const RadianceField::Distribution& known, PathWalk& walk,
-                                          const VertexNumbers& u, float first_power, bool sees_lights) const;
+                                          const VertexNumbers& u, float first_power) const;
 
     std::uint64_t rays() const { return rays_; }
 

@@ -125,7 +125,7 @@ private:
         const VertexNumbers& u = walk_.vertex_numbers;
         if (const auto known = guide_.guide ? guide_.guide->in_medium(p) : std::nullopt) {
             if (!allows_edge(at_.vertex + 2)) return false;
-            const auto wi = guide_.guide->scatter_in_medium(*known, walk_, u, guide_.first_power, false);
+            const auto wi = guide_.guide->scatter_in_medium(*known, walk_, u, guide_.first_power);
             if (!wi) return false;
             at_.path_class.in_medium = true;
             walk_.go_on(p, *wi);

@@ -55,14 +55,6 @@ TEST(PhotonView, ShowsEachMapInItsComponent) {
     }
 }
 
-TEST(PhotonView, RefusesSettingsOfWhatItDoesNotShow) {
-    for (const char* refused : {"map=records photons=9", "map=global gather=8", "map=caustic accuracy=0.2"})
-        EXPECT_THROW(ConfiguredMethod(MethodLabel::parse(std::string("photon_view ") + refused)).create({}), InputError)
-            << refused;
-    EXPECT_NO_THROW(ConfiguredMethod(MethodLabel::parse("photon_view map=records gather=8 accuracy=0.2")).create({}));
-    EXPECT_THROW(ConfiguredMethod(MethodLabel::parse("ambient_occlusion max_depth=3")).create({}), InputError);
-}
-
 TEST(PhotonView, IsLeftOutWhereMethodsAreCompared) {
     const auto names = names_of_comparable_methods();
     EXPECT_EQ(std::count(names.begin(), names.end(), "photon_view"), 0);

@@ -1,6 +1,4 @@
 // Radiosity as a method: what its images show, which scenes and settings it refuses, and which light it leaves out.
-#include "common/core/files.h"
-#include "common/mesh_files/mesh_data.h"
 #include "methods/radiosity/view.h"
 #include "tests/methods/radiosity/fixtures.h"
 #include "tests/support/scene_text.h"
@@ -97,7 +95,7 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
                          point_light(0.8, 0.2, 1.3, 1));
     std::vector<double> errors;
     for (const double patch : {0.3, 0.15, 0.075}) {
-        Model model(scene, {patch, RadiositySolver::hierarchical, 0.002, 0, "", 3});
+        Model model(scene, {patch, RadiositySolver::hierarchical, 0.002, 0, 3});
         model.converge();
         double error = 0, level = 0;
         for (int i = 0; i < 64; ++i) {
@@ -117,7 +115,7 @@ TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
     const auto scene = seen_from_inside(room);
     const auto other =
         Scene(camera(70, to_world(look_at("0.5 0.5 0.5", "-1 -1 -1", "0 0 1")), box_film(16)), room).load();
-    Model solved(scene, {0.1, RadiositySolver::hierarchical, 0.02, 0, "", 1000});
+    Model solved(scene, {0.1, RadiositySolver::hierarchical, 0.02, 0, 1000});
     solved.converge();
     const auto before = solved.stages.stages();
     RadiosityView view(*other.scene, effects_of(*other.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
@@ -217,8 +215,8 @@ TEST(Radiosity, LosesNoLightInAClosedCube) {
         seen_from_inside(shape("cube", flag("flip_normals"), to_world(scale(5)), one_sided("0.6666666667")) +
                          point_light(0, 0, 0, 50000));
     for (const RadiositySettings& settings :
-         {RadiositySettings{0.06, RadiositySolver::hierarchical, 0.002, 0, "", 1000},
-          RadiositySettings{0.03, RadiositySolver::hierarchical, 0.002, 0, "", 1000}}) {
+         {RadiositySettings{0.06, RadiositySolver::hierarchical, 0.002, 0, 1000},
+          RadiositySettings{0.03, RadiositySolver::hierarchical, 0.002, 0, 1000}}) {
         Model model(scene, settings);
         model.converge();
         for (const auto& [x, y, luminance] : {std::tuple{0.f, 0.f, 892.8}, {2.5f, 0.f, 768.7}, {2.5f, 2.5f, 686.6}}) {
@@ -232,7 +230,7 @@ TEST(Radiosity, LosesNoLightInAClosedCube) {
 // While the solution changes, images show the latest solution only.
 TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
     const auto scene = seen_from_inside(room);
-    Model solved(scene, {0.2, RadiositySolver::hierarchical, 0.02, 0, "", 1000});
+    Model solved(scene, {0.2, RadiositySolver::hierarchical, 0.02, 0, 1000});
     const auto view = [&] {
         return RadiosityView(*scene.scene, effects_of(*scene.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
     };
@@ -289,26 +287,6 @@ TEST(Radiosity, RefusesWhatDoesNotFitBeforeItIsMade) {
             EXPECT_THAT(error.what(), testing::ContainsRegex("needs [0-9]+ bytes")) << label;
             EXPECT_THAT(error.what(), testing::HasSubstr("patches")) << label;
         }
-}
-
-TEST(Radiosity, WritesItsPatchesWithTheirLight) {
-    const TemporaryFolder folder;
-    const std::string file = folder / "patches.ply";
-    const auto scene = seen_from_inside(room);
-    auto facts = facts_of(scene, "radiosity patch=0.2 ply=" + file, 30);
-    const std::string text = read_file(file);
-    EXPECT_THAT(text, testing::HasSubstr("property float B_red"));
-    const MeshData mesh = parse_ply(text, file);
-    EXPECT_EQ(mesh.positions.size(), std::stoul(facts["vertices"]));
-    EXPECT_EQ(mesh.triangles.size(), 2 * std::stoul(facts["patches"]));
-    double area = 0;
-    for (const auto& t : mesh.triangles) {
-        const Vec3d n =
-            (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
-        area += n.norm() / 2;
-        EXPECT_GT(n.dot(mesh.normals[t[0]].cast<double>()), 0) << "faces turn as their normals do";
-    }
-    EXPECT_NEAR(area, 24, 1e-4);
 }
 
 TEST(Radiosity, NamesWhatItLeavesOut) {
