@@ -1,6 +1,9 @@
 #include "common/reader/medium_check.h"
 
+#include "common/sampling/warp.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -46,6 +49,21 @@ public:
         }
     }
 
+    /// What a ray from the camera meets first: the medium inside the boundary that it leaves; no_medium where it escapes, or enters
+    /// a boundary that has none outside; empty where it ends on a surface or enters another boundary.
+    std::optional<std::uint32_t> left_by(Ray ray) const {
+        for (int crossings = 0; crossings < most_crossings; ++crossings) {
+            const auto hit = scene_.intersect(ray);
+            if (!hit) return no_medium;
+            const MediumSides& sides = media_.shapes[hit->shape].sides;
+            if (sides.boundary && ray.d.dot(hit->ng) > 0.f) return sides.interior;
+            if (sides.boundary) return sides.exterior == no_medium ? std::optional(no_medium) : std::nullopt;
+            if (!lets_light_pass(scene_, *hit)) return std::nullopt;
+            ray = hit->spawn_ray(ray.d);
+        }
+        return std::nullopt;
+    }
+
     /// The medium at p by the boundaries between the camera and p.
     std::uint32_t medium_at(const Vec3& p) const {
         std::uint32_t medium = media_.camera;
@@ -78,6 +96,13 @@ public:
         return texts;
     }
 
+    /// The start of the camera's middle ray.
+    Vec3 camera() const {
+        const Sensor& sensor = scene_.sensor();
+        const Ray middle = sensor.generate_ray(sensor.width() / 2, sensor.height() / 2, Vec2(0.5f, 0.5f));
+        return middle.o + middle.t_min * middle.d;
+    }
+
 private:
     struct Contradiction {
         std::uint32_t shape;
@@ -92,13 +117,6 @@ private:
         std::optional<std::uint32_t> entered;
         const char* source;
     };
-
-    /// The start of the camera's middle ray.
-    Vec3 camera() const {
-        const Sensor& sensor = scene_.sensor();
-        const Ray middle = sensor.generate_ray(sensor.width() / 2, sensor.height() / 2, Vec2(0.5f, 0.5f));
-        return middle.o + middle.t_min * middle.d;
-    }
 
     void note(const Contradiction& at, const std::optional<std::uint32_t>& entered, const char* source) {
         Found& found = found_.try_emplace(at, Found{0, entered, source}).first->second;
@@ -190,6 +208,20 @@ std::vector<std::string> contradictions(const Scene& scene, const NamedMedia& me
     follow_camera(scene, media, tracker);
     follow_lamps(scene, tracker);
     return tracker.warnings();
+}
+
+std::optional<std::uint32_t> medium_around_camera(const Scene& scene, const NamedMedia& media) {
+    if (!scene.has_media() || media.camera != no_medium) return std::nullopt;
+    const Tracker tracker(scene, media);
+    std::optional<std::uint32_t> around;
+    for (std::uint32_t i = 0; i < rays_of_camera; ++i) {
+        const Vec2 u = Sampler(PointSet::sobol, 0, 0, i).get_2d(dimension::first_vertex);
+        const auto left = tracker.left_by({.o = tracker.camera(), .d = square_to_sphere(u)});
+        if (!left) continue;
+        if (*left == no_medium || (around && *around != *left)) return std::nullopt;
+        around = left;
+    }
+    return around;
 }
 
 std::vector<std::string> open_boundaries(const Scene& scene, const NamedMedia& media) {

@@ -5,6 +5,7 @@
 #include "common/core/error.h"
 #include "common/scene/scene.h"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,10 @@ struct NamedMedia {
 /// As everywhere, a lamp is in the medium that the boundaries between camera and lamp lead to. A further warning, without
 /// a place, if light from infinity starts in a medium, which has no boundary there and lets none of it through.
 std::vector<std::string> contradictions(const Scene& scene, const NamedMedia& media);
+
+/// The medium of the closed boundary in which the camera stands: all rays from there that leave a boundary leave the same
+/// medium, and none escapes. Empty if there is none, or if the sensor names a medium.
+std::optional<std::uint32_t> medium_around_camera(const Scene& scene, const NamedMedia& media);
 
 /// A warning for each medium inside meshes whose boundary is open: some edges belong to one triangle only. The edges of
 /// all meshes with the same interior count together, so that six rectangles may close a box.

@@ -443,14 +443,20 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
         builder.add_shape(shape);
     for (const auto& emitter : emitters)
         builder.add_emitter(emitter);
-    SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
+    auto placed = std::make_shared<Scene>(builder.finish(expanded.root, std::move(parsed.sensor)));
+    NamedMedia named = builder.named_media();
+    if (const auto around = medium_around_camera(*placed, named)) {
+        placed->set_camera_medium(*around);
+        named.camera = *around;
+        warnings.add(sensors.front().where,
+                     fmt::format("the sensor names no medium, and stands in {}", named.names[*around]));
+    }
     LoadedScene loaded{.name = std::filesystem::path(path).stem().string(),
-                       .scene = std::make_shared<const Scene>(std::move(parts)),
+                       .scene = std::move(placed),
                        .sample_count = parsed.sample_count,
                        .max_edges = taken.max_edges,
                        .content_hash = hash.hex(),
                        .warnings = {}};
-    const NamedMedia named = builder.named_media();
     for (const auto& find : {contradictions, open_boundaries})
         for (const std::string& warning : find(*loaded.scene, named))
             warnings.add({}, warning);  // it names its own place

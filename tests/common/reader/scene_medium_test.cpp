@@ -158,12 +158,27 @@ std::string sphere(double size, double z, const std::string& media) {
 std::vector<std::string> warnings_of(const std::string& body) { return load(body).warnings; }
 
 // The camera is at the origin and looks along z; the body begins on line 2.
-TEST(MediumContradictions, ACameraInAMediumThatItDoesNotName) {
-    EXPECT_THAT(warnings_of(fog + sky + sphere(1, 0, with_fog)),
-                ElementsAre(AllOf(StartsWith("test.xml:4:1: media contradict each other"),
-                                  HasSubstr("rays of the camera arrive here in no medium (from the camera)"),
-                                  HasSubstr("the interior of this shape is medium 'fog'"))));
+TEST(MediumContradictions, ACameraInAnOpenBoundaryWhoseMediumItDoesNotName) {
+    const std::string behind =
+        shape("rectangle", to_world(scale(9), translate(0, 0, 5)), bsdf("null"), with_fog) + "\n";
+    EXPECT_THAT(warnings_of(fog + sky + behind),
+                Contains(AllOf(StartsWith("test.xml:4:1: media contradict each other"),
+                               HasSubstr("rays of the camera arrive here in no medium (from the camera)"),
+                               HasSubstr("the interior of this shape is medium 'fog'"))));
     EXPECT_THAT(warnings_of(fog + sky + sphere(1, 5, with_fog)), IsEmpty());
+}
+
+// A closed boundary around the camera tells the medium that the sensor does not name; a glass ball and a wall in it do not hide it.
+TEST(MediumContradictions, ACameraInAClosedBoundaryStandsInItsMedium) {
+    const std::string things = shape("sphere", center(0.5f, 0, 0), radius(0.2), bsdf("dielectric"), beside_fog) +
+                               shape("rectangle", to_world(scale(0.2), translate(0, 0, -0.5)), diffuse(0.5)) + "\n";
+    for (const std::string& inside : {std::string(), things}) {
+        const LoadedScene scene = load(fog + sky + sphere(1, 0, with_fog) + inside);
+        EXPECT_THAT(scene.warnings, Contains(HasSubstr("the sensor names no medium, and stands in medium 'fog'")));
+        EXPECT_THAT(scene.warnings, Not(Contains(HasSubstr("contradict"))));
+        EXPECT_NE(scene.scene->camera_medium(), nullptr);
+    }
+    EXPECT_EQ(load(fog + sky + sphere(1, 1.5, with_fog)).scene->camera_medium(), nullptr) << "it stands outside";
 }
 
 TEST(MediumContradictions, AnInnerBoundaryThatDoesNotNameItsOutside) {
