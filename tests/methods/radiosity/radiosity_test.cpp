@@ -214,9 +214,8 @@ TEST(Radiosity, LosesNoLightInAClosedCube) {
     const auto scene =
         seen_from_inside(shape("cube", flag("flip_normals"), to_world(scale(5)), one_sided("0.6666666667")) +
                          point_light(0, 0, 0, 50000));
-    for (const RadiositySettings& settings :
-         {RadiositySettings{0.06, RadiositySolver::hierarchical, 0.002, 0, 1000},
-          RadiositySettings{0.03, RadiositySolver::hierarchical, 0.002, 0, 1000}}) {
+    for (const RadiositySettings& settings : {RadiositySettings{0.06, RadiositySolver::hierarchical, 0.002, 0, 1000},
+                                              RadiositySettings{0.03, RadiositySolver::hierarchical, 0.002, 0, 1000}}) {
         Model model(scene, settings);
         model.converge();
         for (const auto& [x, y, luminance] : {std::tuple{0.f, 0.f, 892.8}, {2.5f, 0.f, 768.7}, {2.5f, 2.5f, 686.6}}) {
