@@ -49,8 +49,8 @@ public:
         }
     }
 
-    /// What a ray from the camera meets first: the medium inside the boundary that it leaves; no_medium where it escapes, or enters
-    /// a boundary that has none outside; empty where it ends on a surface or enters another boundary.
+    /// Finds the medium inside the first boundary that a ray from the camera leaves. It is no_medium where the ray escapes, or enters
+    /// a boundary without a medium outside, and empty where the ray ends on a surface or enters another boundary.
     std::optional<std::uint32_t> left_by(Ray ray) const {
         for (int crossings = 0; crossings < most_crossings; ++crossings) {
             const auto hit = scene_.intersect(ray);

@@ -120,7 +120,7 @@ public:
     bool has_unbounded_medium() const;
     /// The medium that the camera stands in; null: none.
     const Medium* camera_medium() const { return medium(camera_medium_); }
-    /// Of a scene that has_media().
+    /// Puts the camera into a medium of a scene that has media already.
     void set_camera_medium(std::uint32_t index) { camera_medium_ = index; }
     /// The medium beyond a surface for a ray of direction w that was in `before` in front of the surface; null: none.
     const Medium* medium_beyond(const SurfaceHit& hit, const Vec3& w, const Medium* before) const {
