@@ -5,6 +5,8 @@
 #include "common/materials/bsdf.h"
 #include "tests/samplers/sampled_density.h"
 
+#include <fmt/format.h>
+
 #include <iterator>
 #include <optional>
 #include <string>
@@ -28,6 +30,14 @@ auto listed_for_every_alternative(const Make& make) {
         return all;
     }
     (std::make_index_sequence<std::variant_size_v<Variant>>());
+}
+
+/// The mean of the channels.
+inline double mean(const Color& c) { return c.cast<double>().mean(); }
+
+/// A parameter of a scene file.
+inline std::string number(const std::string& name, double value) {
+    return fmt::format("<float name='{}' value='{}'/>", name, value);
 }
 
 std::vector<SamplerCase> warp_cases();

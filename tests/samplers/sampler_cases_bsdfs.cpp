@@ -21,8 +21,6 @@ Bsdf bsdf_of(const std::string& xml) {
     return scene.scene->material_of_shape(0).at(point);
 }
 
-double mean(const Color& c) { return c.cast<double>().mean(); }
-
 /// The factor that makes the mean weight of a loss-free material 1: it cancels the scaling of refracted radiance by
 /// the squared ratio of the indices. Power is not scaled.
 double loss_free_scale(const LocalBsdf& bsdf, const Vec3& wo, const Vec3& wi, Transport transport) {
@@ -77,10 +75,6 @@ Color LocalBsdf::f(const Vec3& wo, const Vec3& wi, Transport transport) const {
 }
 
 namespace {
-
-std::string number(const std::string& name, double value) {
-    return fmt::format("<float name='{}' value='{}'/>", name, value);
-}
 
 std::string bsdf(const std::string& type, const std::string& parameters) {
     return "<bsdf type='" + type + "'>" + parameters + "</bsdf>";

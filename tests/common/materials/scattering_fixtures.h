@@ -1,6 +1,7 @@
 #pragma once
 // Fixtures of the tests of scattering models: directions, integrals over the sphere, shares of light by sampling.
 
+#include "common/materials/microfacet.h"
 #include "common/materials/scattering.h"
 #include "common/sampling/sampler.h"
 

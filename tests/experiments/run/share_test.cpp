@@ -1,6 +1,7 @@
 // `gibench run --share`: the shares of an experiment measure each cell once, make one reference, and have the images of a run
 // of one process.
 
+#include "experiments/results/result_folder.h"
 #include "tests/support/run_fixtures.h"
 
 #include <nlohmann/json.hpp>
