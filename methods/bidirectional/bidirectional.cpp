@@ -1,11 +1,13 @@
 // Bidirectional path tracing: every path from the camera is joined with a path from a light in all ways. Sources:
 // Lafortune and Willems 1993, "Bi-directional path tracing"; Veach 1997, chapter 10; Georgiev 2012, "Implementing
-// Vertex Connection and Merging", without merging.
+// Vertex Connection and Merging", without merging; Popov et al. 2015, "Probabilistic Connections for Bidirectional Path
+// Tracing".
 //
 // Computes: every component. A path of k edges can be made by up to k + 1 techniques, which take s of its vertices from
 // a light's walk: s = 0, the camera's walk finds the light; s = 1, a point of a light is sampled; s = k, the light's
 // walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
-// Parameters: sampler = sobol (default) | independent; hits, light_sampling, connections, camera = on (default) | off,
+// Parameters: sampler = sobol (default) | independent; shared_paths = light paths that a path from the camera may be connected
+// with where it first can be (16), 1: its own alone (parts/vertices/shared_vertices.h); hits, light_sampling, connections, camera = on (default) | off,
 // which turn techniques off: the others take over what they can make, the rest of the light is missing; techniques = off
 // (default) | on, which keeps an image of each technique (parts/vertices/technique_pyramid.h); spp and max_depth as for
 // all methods.
@@ -63,12 +65,13 @@ MethodDescription describe_bidirectional() {
                        choice_parameter(
                            "techniques", {"off", "on"},
                            "keep an image of each technique, weighted and alone, for paths of up to 5 edges"),
-                       guide_parameter()},
+                       shared_paths_parameter(), guide_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
             const auto on = [&](const char* name) { return values.choice(name) == "on"; };
+            if (!on("connections")) values.refuse({std::string(shared_paths_name)}, "connections=off");
             return std::make_unique<Bidirectional>(JoinedPathsSettings{
                 point_set_of(values),
                 max_edges_of(values, defaults),
@@ -79,6 +82,7 @@ MethodDescription describe_bidirectional() {
                 on("techniques"),
                 {},
                 guiding_of(values),
+                shared_paths_of(values),
             });
         },
         .ray_cost = 1.4,

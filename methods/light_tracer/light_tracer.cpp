@@ -82,8 +82,8 @@ private:
         if (!start) return;
         LightWalk(rays, sampler, paths_, rules_, *start,
                   [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
-                      add(connect_to_camera(rays, vertex, paths_, splats_, {u.light_position(), u.light_choice()},
-                                            flights_of_path));
+                      add(connect_to_camera(rays, vertex, paths_, rules_, splats_,
+                                            {u.light_position(), u.light_choice()}, flights_of_path));
                   })
             .follow();
     }

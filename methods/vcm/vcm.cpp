@@ -9,7 +9,7 @@
 // Elsewhere connections do as well without a bias, and nothing is merged.
 // Parameters: techniques = all (default) | path_tracing | light_tracing | bidirectional | photon_mapping | remainder;
 // sampler = sobol (default) | independent; alpha; first_pass; radius and volume_radius [of the first pass, fractions of the
-// scene's diagonal, or auto, which is smaller on small bodies]; kernel; spp and max_depth as for all methods.
+// scene's diagonal, or auto, which is smaller on small bodies]; kernel; shared_paths as for bidirectional; spp and max_depth as for all methods.
 // photon_mapping is light sampling, paths that find lights, and merging at every vertex; remainder is the part of the image
 // that merging alone can make.
 // Bias: of merging only; it falls with the passes, without a floor. The image carries an estimate of it, from the same
@@ -93,6 +93,8 @@ std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDe
     if (techniques_of(subset).merges == Merges::none)
         values.refuse({"alpha", "first_pass", "radius", "volume_radius", "kernel"},
                       "techniques=" + values.choice("techniques"));
+    if (!connects_paths(techniques_of(subset)))
+        values.refuse({std::string(shared_paths_name)}, "techniques=" + values.choice("techniques"));
     return std::make_unique<VertexConnectionAndMerging>(
         subset,
         JoinedPathsSettings{
@@ -104,7 +106,8 @@ std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDe
                                        .radius = first_radius_of(values, "radius"),
                                        .radius_in_media = first_radius_of(values, "volume_radius"),
                                        .first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name))},
-            .guiding = guiding_of(values)});
+            .guiding = guiding_of(values),
+            .shared_paths = shared_paths_of(values)});
 }
 
 }  // namespace
@@ -121,7 +124,7 @@ MethodDescription describe_vcm() {
                        first_radius_parameter("radius", "on surfaces", most),
                        first_radius_parameter("volume_radius", "in media", most),
                        choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance"),
-                       guide_parameter()},
+                       shared_paths_parameter(), guide_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = false,

@@ -58,6 +58,7 @@ private:
         arrive(p, 1, n, false);
         if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
         PathVertex vertex(walk_, p, path.path_class, sums_);
+        tell_whether_first(vertex);
         if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         last_n_ = n;
         path.path_class.in_medium = true;
@@ -91,6 +92,7 @@ private:
         if (sums_.merging().focuses()) sums_.settle(n_of_last());
         PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
         if (vertex.can_be_joined()) {
+            tell_whether_first(vertex);
             if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
             if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
         }
@@ -111,8 +113,18 @@ private:
     void arrive(const Vec3& p, double cosine, double n, bool focuses) {
         const PathState& path = walk_.at;
         const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
-        sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine,
-                     path.vertex == 0 || rules_.used.connections, n, focuses);
+        sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine, samples_of_connection(), n,
+                     focuses);
+    }
+    /// Samples of the technique that connects the edge on which the walk has just arrived; 0 if none in use does.
+    double samples_of_connection() const {
+        if (walk_.at.vertex == 0) return 1;
+        if (!rules_.used.connections) return 0;
+        return first_ && walk_.at.vertex == *first_ + 1 ? rules_.shared_samples : 1;
+    }
+    void tell_whether_first(PathVertex& vertex) {
+        vertex.is_first = !first_;
+        if (!first_) first_ = walk_.at.vertex;
     }
     /// n of the vertex before, if merging there is pending.
     double n_of_last() {
@@ -164,6 +176,7 @@ private:
     Visit visit_;
     PathWalk walk_;
     TechniqueSums sums_;
+    std::optional<int> first_;  ///< the walk's vertices before the first one that can be joined
     // The last vertex where merging is pending, on a surface if its n is not known yet.
     std::optional<SurfaceHit> last_hit_;
     Vec3 last_from_ = Vec3::Zero();

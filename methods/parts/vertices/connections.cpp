@@ -89,7 +89,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
 }
 
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
-                                  const LightPaths& paths, NumberStream& flights) {
+                                  const LightPaths& paths, const PathRules& rules, NumberStream& flights) {
     if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
     const Vec3 between = light.p - eye.p;
     if (!eye.faces(between) || !light.faces(-between)) return std::nullopt;
@@ -122,12 +122,14 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
         squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
-    path.weight = static_cast<float>(1 / (1 + by_camera + by_light));                          // (37)
+    const double samples = eye.is_first ? rules.shared_samples : 1;
+    path.weight = static_cast<float>(1 / (1 + (by_camera + by_light) / squared(samples)));  // (37)
     return path;
 }
 
 std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, const LightPaths& paths,
-                                       const SplatFilm& film, const CameraNumbers& u, NumberStream& flights) {
+                                       const PathRules& rules, const SplatFilm& film, const CameraNumbers& u,
+                                       NumberStream& flights) {
     const Sensor& sensor = rays.scene().sensor();
     if (light.hit && rays.scene().hidden_from_camera(*light.hit)) return std::nullopt;
     const auto seen = view_of(sensor, light.p, u);
@@ -148,8 +150,8 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
                 [&](LobeKind kind) { return light.beginning_with(kind); });
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
-    const double others =
-        squared(step) * light.sums.earlier(direction_pdfs(light, to_camera, light.from_local).to_light);  // (46)
+    const double reverse = direction_pdfs(light, to_camera, light.from_local).to_light;
+    const double others = squared(step) * light.earlier_at_first(reverse, rules.shared_samples);  // (46)
     splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }

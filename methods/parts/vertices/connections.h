@@ -16,16 +16,24 @@ namespace gib {
 struct Connection {
     PixelSample light;  ///< by component, unweighted
     float weight = 1.f;
+
+    /// The sum of the weighted light over components and channels.
+    double size() const {
+        Color sum = Color::Zero();
+        for (const Color& part : light.parts)
+            sum += part;
+        return double{weight * sum.sum()};
+    }
 };
 
 /// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
                                            const Techniques& used, const VertexNumbers& u, NumberStream& flights);
 
-/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)]. If `light` focuses, n of merging at `eye` has
+/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)] of one of the technique's samples. If `light` focuses, n of merging at `eye` has
 /// been told (tell_n()).
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
-                                  const LightPaths& paths, NumberStream& flights);
+                                  const LightPaths& paths, const PathRules& rules, NumberStream& flights);
 
 /// The random numbers of a connection to the camera.
 struct CameraNumbers {
@@ -47,7 +55,8 @@ struct Splat {
 /// h rho P f cos / d^2. One of the pixels whose filter covers c is chosen in proportion to h.
 /// The pixel's place in `film` is fetched while the ray to it is traced.
 std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light, const LightPaths& paths,
-                                       const SplatFilm& film, const CameraNumbers& u, NumberStream& flights);
+                                       const PathRules& rules, const SplatFilm& film, const CameraNumbers& u,
+                                       NumberStream& flights);
 
 /// A point of a light that is sampled from the camera itself, in the unit of the function above. `is_found_too`: the camera's
 /// walk finds the light by itself as well, and alone if it is the environment; if not, the weight is 1.

@@ -16,6 +16,10 @@ void add_weighted(const Connection& path, PixelSample& sample) {
         if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
 }
 
+/// What the weights take the shared connections for: between the three that are made and as many as there are paths. 4 is as
+/// good in door-ajar as 16, and better in cornell-box, where few vertices are hidden.
+constexpr double shared_samples = 4;
+
 class JoinedPathsRun final : public Run {
 public:
     JoinedPathsRun(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
@@ -30,7 +34,15 @@ public:
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
           splats_(width(), height(), shown.accumulated, paths_.sum_unit),
-          pass_{.paths = paths_, .rules = {settings.max_edges, settings.used}, .splats = splats_} {
+          pass_{.paths = paths_,
+                .rules = {settings.max_edges, settings.used},
+                .splats = splats_,
+                .points = settings.points,
+                .seed = seed} {
+        if (connects_paths(settings.used) && settings.max_edges >= 3 && settings.shared_paths > 1) {
+            pass_.shared_paths = settings.shared_paths;
+            pass_.rules.shared_samples = shared_samples;
+        }
         if (settings.shows_techniques) {
             pyramid_ = std::make_unique<TechniquePyramid>(width(), height(), paths_.sum_unit / paths_.count);
             pass_.pyramid = pyramid_.get();
@@ -100,10 +112,8 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
                                              std::size_t pixel,
                                              std::vector<std::pair<std::size_t, PixelSample>>* kept) {
     kept_ = kept;
-    light_vertices_.clear();
-    if ((used_.camera || used_.connections) && !used_.only_merging()) follow_light(rays, sampler);
-
     const PathRules& rules = pass_.rules;
+    if (pixel >= group_end_ || pass_.shared_paths == 1) follow_group(rays, sampler, pixel);
     BiasedSample sample;
     const auto add = [&](int s, int t, const std::optional<Connection>& path) {
         if (!path) return;
@@ -123,15 +133,44 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
             if (used_.only_merging()) return;
             if (used_.light_sampling && vertex.edges + 1 >= rules.min_edges)
                 add(1, vertex.edges + 1, connect_to_light(rays, vertex, pass_.paths, used_, u, flights));
-            for (const PathVertex& from_light : light_vertices_) {
+            const auto join = [&](const PathVertex& from_light, double factor) -> double {
                 const int edges = vertex.edges + 1 + from_light.edges;
-                if (edges < rules.min_edges || edges > rules.max_edges) continue;
+                if (edges < rules.min_edges || edges > rules.max_edges) return 0;
                 if (from_light.sums.merging().focuses()) tell_n(rules.merging, rays, vertex);
-                add(from_light.edges + 1, vertex.edges + 1, connect(rays, vertex, from_light, pass_.paths, flights));
-            }
+                auto path = connect(rays, vertex, from_light, pass_.paths, rules, flights);
+                if (!path) return 0;
+                const double size = path->size();
+                for (Color& part : path->light.parts)
+                    part *= static_cast<float>(factor);
+                add(from_light.edges + 1, vertex.edges + 1, path);
+                return size;
+            };
+            if (vertex.is_first && pass_.shared_paths > 1) return light_vertices_.join_first(flights, join);
+            for (const PathVertex& from_light : light_vertices_.path(pixel - group_begin_))
+                join(from_light, 1);
         })
         .follow();
     return sample;
+}
+
+/// Follows the light paths of the pixels that share them, from this pixel on. Groups begin in other places in every pass and
+/// row, as the noise of a group's pixels is alike.
+void JoinedPathsEstimate::follow_group(RayQueries& rays, const Sampler& sampler, std::size_t pixel) {
+    light_vertices_.clear();
+    group_begin_ = pixel;
+    group_end_ = pixel + 1;
+    const bool follows = (used_.camera || used_.connections) && !used_.only_merging();
+    if (follows) follow_light(rays, sampler);
+    light_vertices_.end_path();
+    if (pass_.shared_paths == 1) return;
+    const std::size_t block = pixel / pixels_per_block, shared = pass_.shared_paths;
+    const std::size_t shift = combine_keys(block, pass_.pass) % shared;
+    const std::size_t block_end = std::min((block + 1) * pixels_per_block, static_cast<std::size_t>(pass_.paths.count));
+    group_end_ = std::min(block_end, pixel + shared - (pixel + shift) % shared);
+    for (std::size_t next = pixel + 1; next < group_end_; ++next) {
+        follow_light(rays, Sampler(pass_.points, pass_.seed, next, pass_.pass));
+        light_vertices_.end_path();
+    }
 }
 
 /// Connects a point of a light and the vertices of the pixel's light path to the camera, and keeps the vertices.
@@ -147,10 +186,10 @@ void JoinedPathsEstimate::follow_light(RayQueries& rays, const Sampler& sampler)
     LightWalk(rays, light_sampler, pass_.paths, pass_.rules, *start,
               [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
                   if (used_.camera && vertex.edges + 1 >= pass_.rules.min_edges)
-                      splat(connect_to_camera(rays, vertex, pass_.paths, pass_.splats,
+                      splat(connect_to_camera(rays, vertex, pass_.paths, pass_.rules, pass_.splats,
                                               {u.light_position(), u.light_choice()}, flights),
                             vertex.edges + 1);
-                  if (used_.connections) light_vertices_.push_back(vertex);
+                  if (used_.connections) light_vertices_.add(vertex);
               })
         .follow();
 }
@@ -162,6 +201,15 @@ void JoinedPathsEstimate::splat(const std::optional<Splat>& splat, int s) {
     add_weighted(splat->connection, weighted);
     if (kept_) kept_->emplace_back(splat->pixel, weighted);
     else pass_.splats.add(splat->pixel, pass_.pass, weighted);
+}
+
+Parameter shared_paths_parameter() {
+    return integer_parameter(
+        std::string(shared_paths_name), "16", "light paths", 1, static_cast<double>(pixels_per_block),
+        "light paths of neighbouring pixels that a path from the camera is connected with where it first can be");
+}
+std::size_t shared_paths_of(const ParameterValues& values) {
+    return static_cast<std::size_t>(values.integer(shared_paths_name));
 }
 
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings) {

@@ -5,6 +5,7 @@
 #include "common/images/splat_film.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/merged_vertices.h"
+#include "methods/parts/vertices/shared_vertices.h"
 #include "methods/parts/vertices/technique_pyramid.h"
 
 #include <optional>
@@ -20,6 +21,8 @@ struct JoinedPathsSettings {
     bool shows_techniques = false;
     std::optional<MergingSettings> merging = {};
     Guiding guiding = Guiding::off;
+    std::size_t shared_paths =
+        1;  ///< pixels of a group, whose first vertices may be connected with any of its light paths
 };
 
 /// The data of one pass, which the estimates of all pixels share.
@@ -27,12 +30,15 @@ struct PassOfPaths {
     const LightPaths& paths;
     PathRules rules;
     SplatFilm& splats;
+    PointSet points = PointSet::sobol;  ///< of the random numbers, and `seed`: for light paths of a group of pixels
+    std::uint64_t seed = 0;
     std::uint32_t pass = 0;
+    std::size_t shared_paths = 1;            ///< JoinedPathsSettings::shared_paths
     TechniquePyramid* pyramid = nullptr;     ///< null: no images of techniques are kept
     const MergedVertices* merged = nullptr;  ///< null: nothing is merged
 };
 
-/// The estimate of one pixel's sample.
+/// The estimate of the samples of one block of pixels (sample_pixels()).
 class JoinedPathsEstimate {
 public:
     explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
@@ -43,14 +49,24 @@ public:
                             std::vector<std::pair<std::size_t, PixelSample>>* kept = nullptr);
 
 private:
+    void follow_group(RayQueries& rays, const Sampler& sampler, std::size_t pixel);
     void follow_light(RayQueries& rays, const Sampler& sampler);
     void splat(const std::optional<Splat>& splat, int s);
 
     const PassOfPaths& pass_;
     const Techniques& used_;
     std::vector<std::pair<std::size_t, PixelSample>>* kept_ = nullptr;
-    std::vector<PathVertex> light_vertices_;
+    SharedVertices<PathVertex> light_vertices_;
+    std::size_t group_begin_ = 0, group_end_ = 0;  ///< pixels of the present group
 };
+
+/// Whether vertices of both walks are connected with each other.
+inline bool connects_paths(const Techniques& used) { return used.connections && !used.only_merging(); }
+
+/// Pixels whose paths from the camera share their light paths.
+inline constexpr std::string_view shared_paths_name = "shared_paths";
+Parameter shared_paths_parameter();
+std::size_t shared_paths_of(const ParameterValues& values);
 
 /// Adds the steps of light paths, eye paths, light sampling and connections.
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings);

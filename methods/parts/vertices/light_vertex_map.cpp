@@ -40,6 +40,7 @@ public:
           radius_(
               static_cast<float>(eye.hit ? rules.merging.on_surfaces : rules.merging.radius_at(*eye.medium, eye.p))),
           power_(power),
+          samples_of_connection_(eye.is_first ? rules.shared_samples : 1),
           path_{rules.max_edges - eye.edges, eye.stratum},
           sample_(sample),
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
@@ -124,9 +125,10 @@ private:
         return distance2 < sqr(r) ? kernel(distance2, r) / double{narrow_share_} : 0;
     }
     double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
-        const double others = eye_.sums.besides_merging(pdf.to_camera) +         // (39) times n^2
-                              light.d_vcm + light.d_vc * squared(pdf.to_light);  // (38) times n^2
-        return 1 / (1 + others / eye_.sums.merging().n2());                      // (37)
+        const double d_vcm = (light.edges > 1 ? squared(samples_of_connection_) : 1) * light.d_vcm;
+        const double others = eye_.sums.besides_merging(pdf.to_camera) +   // (39) times n^2
+                              d_vcm + light.d_vc * squared(pdf.to_light);  // (38) times n^2
+        return 1 / (1 + others / eye_.sums.merging().n2());                // (37)
     }
     void add_weighted(const LightVertex& light, const LobeValues& f, double density, double narrow, double weight) {
         const Colord arriving = weight * power_ * light.power().cast<double>() * path_.weight(light).cast<double>();
@@ -146,6 +148,7 @@ private:
     Kernel kernel_;
     float radius_;
     double power_;
+    double samples_of_connection_;  ///< with the vertex before the light's
     EyePath path_;
     BiasedSample& sample_;
     Vec3 normal_;

@@ -112,12 +112,12 @@ private:
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
         const double distance2 = double{(at.p - path.previous).squaredNorm()};
-        if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.used.connections, n, focuses);
+        if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.used.connections ? 1 : 0, n, focuses);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
         const double sampling = double{scene_.light_pdf_w(at, start.light, origin, start.ray.d)};
         sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
-        sums_.arrive(1, cosine, true, n, focuses);
+        sums_.arrive(1, cosine, 1, n, focuses);
     }
 
     const Scene& scene_;

@@ -26,7 +26,8 @@ struct PathVertex {
     Color beta;            ///< throughput of the camera's walk on arrival, or power of the light's [W]
     PathClass path_class;  ///< class of the vertices between this one and the walk's start, read from the camera
     std::optional<int> stratum;
-    int edges;  ///< number of edges of the walk up to here
+    int edges;              ///< number of edges of the walk up to here
+    bool is_first = false;  ///< of the camera's walk, the first one that can be joined
     TechniqueSums sums;
 
     /// A vertex where the walk has arrived, on a surface or in a medium.
@@ -60,6 +61,11 @@ struct PathVertex {
         PathClass path = path_class;
         path.in_medium = true;
         return path;
+    }
+    /// TechniqueSums::earlier() of a light's vertex that is the camera walk's first, where the connection of the light path's last
+    /// edge has `samples`. The first edge starts on the light, which is sampled once.
+    double earlier_at_first(double reverse, double samples) const {
+        return sums.earlier(reverse) + (edges > 1 ? squared(samples) - 1 : 0) * sums.d_vcm();
     }
     /// w in the shading frame of the hit; in a medium as it is.
     Vec3 to_local(const Vec3& w) const { return hit ? hit->shading.to_local(w) : w; }

@@ -14,6 +14,8 @@
 //  - d_vcm and d_vc hold sums of squares, as the power heuristic needs them.
 //  - d_vm is not stored. It is d_vc / n^2 where n is the same at all vertices; here n differs between surfaces and media, so
 //    the weight of a merge divides the sum over the other techniques by the n^2 of its own vertex (light_vertex_map.cpp).
+//  - Connections of the first vertex of the camera's walk that can be joined may have several samples, `shared_samples`, by which
+//    their density is multiplied (Veach 1997, section 9.2.1); all others have 1.
 //  - A vertex is merged only behind a surface that focuses, so the term n^2 of equations 35, 40 and 41 may be absent, or
 //    may come one vertex later (merge_rule.h).
 //  - The probability of a free flight has a factor for its end, which all techniques share, and the transmittance of the
@@ -50,6 +52,8 @@ struct PathRules {
     Techniques used = {};
     MergeRadii merging = {};
     int min_edges = 1;  ///< edges of the shortest path that counts
+    double shared_samples =
+        1;  ///< that the weights take a connection of the camera walk's first vertex for (shared_vertices.h)
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
     bool have_others() const { return used.hits || used.light_sampling || used.connections || merging.any(); }
@@ -84,19 +88,19 @@ public:
 
     /// The walk has reached its next vertex: converts densities per solid angle into densities per area there, which
     /// completes equations 31 to 36. `distance2` is 1 for an edge whose rays are parallel, `cosine` is 1 in a medium.
-    /// `connects`: whether a technique in use connects the edge that has been walked. `n` is that of merging at this
-    /// vertex, which `focuses` if it has no diffuse lobe.
-    void arrive(double distance2, double cosine, bool connects, double n, bool focuses) {
+    /// `samples` is the number of samples of the technique that connects the edge which has been walked; 0 if none in use does.
+    /// `n` is that of merging at this vertex, which `focuses` if it has no diffuse lobe.
+    void arrive(double distance2, double cosine, double samples, double n, bool focuses) {
         d_vcm_ *= squared(distance2 / cosine);
         d_vc_ /= squared(cosine);
         merging_.arrive(n, focuses, cosine);
-        connects_ = connects;
+        samples2_ = squared(samples);
     }
     /// The path goes on from this vertex, which focuses: see MergeRule::settle().
     void settle(double pending_n) { d_vc_ += merging_.settle(pending_n); }
 
-    /// d_vcm of the last edge; 0 if no technique in use connects it.
-    double d_vcm() const { return connects_ ? d_vcm_ : 0; }
+    /// d_vcm of the last edge, with the samples of the technique that connects it; 0 if none in use does.
+    double d_vcm() const { return samples2_ * d_vcm_; }
     double d_vc() const { return d_vc_; }
 
     /// The sum over the techniques that take fewer vertices from this walk, relative to the one that ends it here. The
@@ -137,7 +141,7 @@ private:
     double d_vcm_ = 0;  ///< (1 / density of the last direction)^2: for the technique that connects the last edge
     double d_vc_ = 0;   ///< sum for all techniques on earlier edges and vertices
     MergeRule merging_;
-    bool connects_ = true;
+    double samples2_ = 1;  ///< (samples of the technique that connects the last edge)^2
     bool has_others_;
 };
 

@@ -25,7 +25,7 @@ void expect_subsets_agree(const RoomOptions& options) {
     expect_techniques_of_bidirectional(xml);
     expect_same_means(
         xml, {"path", "vcm techniques=path_tracing", "vcm techniques=light_tracing",
-              "vcm radius=0.05 volume_radius=0.05", "vcm techniques=photon_mapping radius=0.05 volume_radius=0.05"});
+              "vcm radius=0.03 volume_radius=0.05", "vcm techniques=photon_mapping radius=0.03 volume_radius=0.05"});
 }
 
 TEST(VcmSubsets, AgreeUnderLamps) { expect_subsets_agree({.light = lamp}); }

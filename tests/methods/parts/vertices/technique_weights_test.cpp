@@ -76,6 +76,7 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
         for (std::size_t i = s; i <= n; ++i)
             density *= backward[i];
         if (s == n + 1) density *= paths.count;
+        if (s == n && s >= 2) density *= rules.shared_samples;  // at the first vertex of the camera's walk
         p.push_back(squared(density));
     }
     double sum = std::accumulate(p.begin(), p.end(), 0.0);
@@ -95,10 +96,11 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
     return p;
 }
 
-void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeRadii& merging = {}) {
+void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeRadii& merging = {},
+                    double shared_samples = 1) {
     const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
-    const PathRules rules{longest, {.merges = merges}, merging};
+    const PathRules rules{longest, {.merges = merges}, merging, 1, shared_samples};
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
     StageTimes stages;
@@ -122,8 +124,8 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_light.push_back(vertex);
                 const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
-                const auto splat =
-                    connect_to_camera(rays, vertex, paths, SplatFilm(8, 8, {}, 1), {Vec2(0.5f, 0.5f), 0.5f}, flights);
+                const auto splat = connect_to_camera(rays, vertex, paths, rules, SplatFilm(8, 8, {}, 1),
+                                                     {Vec2(0.5f, 0.5f), 0.5f}, flights);
                 if (splat)
                     check({start->sample, from_light, view->ray.o}, from_light.size() + 1, splat->connection.weight);
             })
@@ -138,7 +140,7 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
                     if (from_light[s - 1].sums.merging().focuses()) tell_n(rules.merging, rays, vertex);
-                    const auto joined = connect(rays, vertex, from_light[s - 1], paths, flights);
+                    const auto joined = connect(rays, vertex, from_light[s - 1], paths, rules, flights);
                     if (!joined) continue;
                     WholePath path{start->sample,
                                    {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)},
@@ -170,6 +172,12 @@ TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
         for (const LoadedScene& scene :
              {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point}), room({.light = sky})})
             expect_weights(scene, merges, {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}});
+}
+TEST(TechniqueWeights, OfSharedConnectionsAreThoseOfTheDensities) {
+    const MergeRadii merging{.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}};
+    for (const LoadedScene& scene : {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point})})
+        for (const Merges merges : {Merges::none, Merges::behind_focus, Merges::everywhere})
+            expect_weights(scene, merges, merges == Merges::none ? MergeRadii{} : merging, 4);
 }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));

@@ -1,0 +1,89 @@
+// Connections to the light paths of a group of pixels, on numbers that stand for vertices.
+
+#include "methods/parts/vertices/shared_vertices.h"
+
+#include "tests/support/moments.h"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <random>
+
+namespace gib::test::shared_vertices_test {
+namespace {
+
+/// What a connection makes: nothing for four of five pairs, as behind a door, and else a lognormal number. Vertices keep their
+/// factor for all walks, so that there is something to learn.
+struct Vertex {
+    double factor;
+};
+
+class Groups {
+public:
+    /// One group of `paths` light paths with up to three vertices, and of as many walks: the differences between what the walks are
+    /// given and the mean over the light paths.
+    double error(std::size_t paths) {
+        SharedVertices<Vertex> shared;
+        std::vector<Vertex> all;
+        for (std::size_t i = 0; i < paths; ++i) {
+            for (int count = std::uniform_int_distribution(0, 3)(random_); count > 0; --count) {
+                all.push_back({hidden(0.6) ? 0 : std::exp(1.5 * normal_(random_))});
+                shared.add(all.back());
+            }
+            shared.end_path();
+        }
+        double error = 0;
+        for (std::size_t walk = 0; walk < paths; ++walk) {
+            std::vector<double> made;
+            for (const Vertex& vertex : all)
+                made.push_back(hidden(0.5) ? 0 : vertex.factor * std::exp(normal_(random_)));
+            double exact = 0, given = 0;
+            for (const double c : made)
+                exact += c / static_cast<double>(paths);
+            const Sampler sampler(PointSet::independent, 1, next_++, 0);
+            NumberStream u(sampler);
+            shared.join_first(u, [&](const Vertex& vertex, double factor) {
+                const double c = made[static_cast<std::size_t>(&vertex - shared.path(0).data())];
+                given += factor * c;
+                return c;
+            });
+            error += given - exact;
+        }
+        return error;
+    }
+
+private:
+    bool hidden(double probability) { return std::bernoulli_distribution(probability)(random_); }
+
+    std::mt19937_64 random_{5};
+    std::normal_distribution<double> normal_;
+    std::uint64_t next_ = 0;
+};
+
+// Student's t at alpha = 1e-4, both sides. With a factor of 1.05 in the estimate it is 5 and 9 for 16 and 40 light paths.
+TEST(SharedVertices, GiveTheMeanOverAllLightPaths) {
+    for (const std::size_t paths : {1u, 3u, 16u, 40u}) {
+        Groups groups;
+        Moments errors;
+        for (int i = 0; i < 20000; ++i)
+            errors.add(groups.error(paths));
+        EXPECT_LE(std::abs(errors.mean()), 3.89 * errors.standard_error()) << paths << " light paths";
+    }
+}
+
+TEST(SharedVertices, KeepTheVerticesOfEachPath) {
+    SharedVertices<Vertex> shared;
+    shared.end_path();
+    shared.add({1});
+    shared.add({2});
+    shared.end_path();
+    EXPECT_TRUE(shared.path(0).empty());
+    EXPECT_EQ(shared.path(1).size(), 2u);
+    shared.clear();
+    shared.add({3});
+    shared.end_path();
+    ASSERT_EQ(shared.path(0).size(), 1u);
+    EXPECT_EQ(shared.path(0)[0].factor, 3);
+}
+
+}  // namespace
+}  // namespace gib::test::shared_vertices_test
