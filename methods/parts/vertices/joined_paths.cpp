@@ -1,9 +1,10 @@
 #include "methods/parts/vertices/joined_paths.h"
 
 #include "common/scene/scene.h"
-#include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/light_walk.h"
+
+#include <cmath>
 
 namespace gib {
 
@@ -63,8 +64,25 @@ public:
             const auto timer = stages_.time(step_merging);
             merged_->start_pass(pass, pass_.rules, rays_);
         }
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths,
-                               [this] { return JoinedPathsEstimate(pass_); });
+        rays_ += sample_blocks(
+            scene_, film_, pass, stages_, step_eye_paths, Tile::count(scene_.sensor()),
+            [&](RayQueries& rays, std::size_t index, const auto& add) {
+                const Tile tile(scene_.sensor(), index);
+                // The pixels of a group are spread evenly over the tile, because their noise is alike.
+                const bool shares = pass_.shared_paths > 1;
+                const int apart = shares ? Tile::edge / static_cast<int>(std::sqrt(pass_.shared_paths)) : 1;
+                JoinedPathsEstimate estimate(pass_);
+                for (int group = 0; group < apart * apart; ++group) {
+                    const auto places = tile.every(apart, group % apart, group / apart, scene_.sensor());
+                    if (shares) estimate.start_group(rays, places);
+                    for_each_pixel_of(
+                        rays, points_, seed_, pass, places.size(), [&](std::size_t i) { return places[i]; },
+                        [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
+                            add(pixel, estimate(rays, eye, sampler, pixel));
+                        });
+                }
+                return tile.pixels();
+            });
         return Progress::more;
     }
 
@@ -113,7 +131,11 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
                                              std::vector<std::pair<std::size_t, PixelSample>>* kept) {
     kept_ = kept;
     const PathRules& rules = pass_.rules;
-    if (pixel >= group_end_ || pass_.shared_paths == 1) follow_group(rays, sampler, pixel);
+    const std::size_t own = pass_.shared_paths > 1 ? next_++ : 0;
+    if (pass_.shared_paths == 1) {
+        light_vertices_.clear();
+        follow_light(rays, sampler);
+    }
     BiasedSample sample;
     const auto add = [&](int s, int t, const std::optional<Connection>& path) {
         if (!path) return;
@@ -146,35 +168,24 @@ BiasedSample JoinedPathsEstimate::operator()(RayQueries& rays, const TracedRay& 
                 return size;
             };
             if (vertex.is_first && pass_.shared_paths > 1) return light_vertices_.join_first(flights, join);
-            for (const PathVertex& from_light : light_vertices_.path(pixel - group_begin_))
+            for (const PathVertex& from_light : light_vertices_.path(own))
                 join(from_light, 1);
         })
         .follow();
     return sample;
 }
 
-/// Follows the light paths of the pixels that share them, from this pixel on. Groups begin in other places in every pass and
-/// row, as the noise of a group's pixels is alike.
-void JoinedPathsEstimate::follow_group(RayQueries& rays, const Sampler& sampler, std::size_t pixel) {
+void JoinedPathsEstimate::start_group(RayQueries& rays, std::span<const PixelPlace> places) {
     light_vertices_.clear();
-    group_begin_ = pixel;
-    group_end_ = pixel + 1;
-    const bool follows = (used_.camera || used_.connections) && !used_.only_merging();
-    if (follows) follow_light(rays, sampler);
-    light_vertices_.end_path();
-    if (pass_.shared_paths == 1) return;
-    const std::size_t block = pixel / pixels_per_block, shared = pass_.shared_paths;
-    const std::size_t shift = combine_keys(block, pass_.pass) % shared;
-    const std::size_t block_end = std::min((block + 1) * pixels_per_block, static_cast<std::size_t>(pass_.paths.count));
-    group_end_ = std::min(block_end, pixel + shared - (pixel + shift) % shared);
-    for (std::size_t next = pixel + 1; next < group_end_; ++next) {
-        follow_light(rays, Sampler(pass_.points, pass_.seed, next, pass_.pass));
-        light_vertices_.end_path();
-    }
+    next_ = 0;
+    for (const PixelPlace& at : places)
+        follow_light(rays, Sampler(pass_.points, pass_.seed, at.index, pass_.pass));
 }
 
 /// Connects a point of a light and the vertices of the pixel's light path to the camera, and keeps the vertices.
 void JoinedPathsEstimate::follow_light(RayQueries& rays, const Sampler& sampler) {
+    light_vertices_.begin_path();
+    if (!(used_.camera || used_.connections) || used_.only_merging()) return;
     if (used_.camera && used_.light_sampling && pass_.rules.min_edges <= 1) {
         const Sampler numbers = sampler.split(0, 1, light_in_view);
         NumberStream flights(numbers);
@@ -204,13 +215,11 @@ void JoinedPathsEstimate::splat(const std::optional<Splat>& splat, int s) {
 }
 
 Parameter shared_paths_parameter() {
-    return integer_parameter(
-        std::string(shared_paths_name), "16", "light paths", 1, static_cast<double>(pixels_per_block),
-        "light paths of neighbouring pixels that a path from the camera is connected with where it first can be");
+    return choice_parameter(
+        std::string(shared_paths_name), {"16", "1", "4", "64", "256"},
+        "light paths of pixels nearby that a path from the camera is connected with where it first can be");
 }
-std::size_t shared_paths_of(const ParameterValues& values) {
-    return static_cast<std::size_t>(values.integer(shared_paths_name));
-}
+std::size_t shared_paths_of(const ParameterValues& values) { return std::stoul(values.choice(shared_paths_name)); }
 
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings) {
     const Techniques& used = settings.used;

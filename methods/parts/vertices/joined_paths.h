@@ -3,6 +3,7 @@
 // asked for, takes the light of the vertices of many other light paths by merging. It serves bidirectional and vcm.
 
 #include "common/images/splat_film.h"
+#include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/merged_vertices.h"
 #include "methods/parts/vertices/shared_vertices.h"
@@ -38,10 +39,13 @@ struct PassOfPaths {
     const MergedVertices* merged = nullptr;  ///< null: nothing is merged
 };
 
-/// The estimate of the samples of one block of pixels (sample_pixels()).
+/// The estimate of the samples of some pixels, in groups if they share their light paths.
 class JoinedPathsEstimate {
 public:
     explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
+
+    /// Follows the light paths of the pixels that share theirs, before their samples, which come in this order.
+    void start_group(RayQueries& rays, std::span<const PixelPlace> places);
 
     /// The light of the paths from the camera that end in this pixel. That of light paths which reach the camera, in any pixel,
     /// goes to the film of splats, or is appended to `kept` if this is not null.
@@ -49,7 +53,6 @@ public:
                             std::vector<std::pair<std::size_t, PixelSample>>* kept = nullptr);
 
 private:
-    void follow_group(RayQueries& rays, const Sampler& sampler, std::size_t pixel);
     void follow_light(RayQueries& rays, const Sampler& sampler);
     void splat(const std::optional<Splat>& splat, int s);
 
@@ -57,7 +60,7 @@ private:
     const Techniques& used_;
     std::vector<std::pair<std::size_t, PixelSample>>* kept_ = nullptr;
     SharedVertices<PathVertex> light_vertices_;
-    std::size_t group_begin_ = 0, group_end_ = 0;  ///< pixels of the present group
+    std::size_t next_ = 0;  ///< the group's pixel whose sample comes next
 };
 
 /// Whether vertices of both walks are connected with each other.

@@ -29,17 +29,17 @@ public:
     /// The next group begins.
     void clear() {
         vertices_.clear();
-        path_ends_.clear();
+        begins_.clear();
         walks_ = 0;
     }
+    void begin_path() { begins_.push_back(vertices_.size()); }
     /// A vertex of the present light path.
     void add(const Vertex& vertex) { vertices_.push_back(vertex); }
-    void end_path() { path_ends_.push_back(vertices_.size()); }
 
     /// The vertices of light path i.
     std::span<const Vertex> path(std::size_t i) const {
-        const std::size_t begin = i == 0 ? 0 : path_ends_[i - 1];
-        return std::span(vertices_).subspan(begin, path_ends_[i] - begin);
+        const std::size_t end = i + 1 < begins_.size() ? begins_[i + 1] : vertices_.size();
+        return std::span(vertices_).subspan(begins_[i], end - begins_[i]);
     }
 
     /// The next walk of the group comes to its first vertex. Calls join(v, factor) for vertices v: what their connections make
@@ -48,7 +48,7 @@ public:
     void join_first(NumberStream& u, Join&& join) {
         const std::size_t count = vertices_.size();
         if (count == 0) return;
-        const double share = 1 / static_cast<double>(path_ends_.size());
+        const double share = 1 / static_cast<double>(begins_.size());
         if (walks_++ % walks_per_survey == 0) {
             if (walks_ == 1) given_.assign(count, 0.0);
             for (std::size_t v = 0; v < count; ++v)
@@ -80,9 +80,9 @@ private:
     }
 
     std::vector<Vertex> vertices_;
-    std::vector<std::size_t> path_ends_;  ///< for each light path the number of vertices up to its end
-    std::size_t walks_ = 0;               ///< that came to a first vertex in this group
-    std::vector<double> given_, sums_;    ///< by vertex, in the surveys so far, and sums up to each
+    std::vector<std::size_t> begins_;   ///< the first vertex of each light path
+    std::size_t walks_ = 0;             ///< that came to a first vertex in this group
+    std::vector<double> given_, sums_;  ///< by vertex, in the surveys so far, and sums up to each
 };
 
 }  // namespace gib

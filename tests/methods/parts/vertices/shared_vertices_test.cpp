@@ -25,11 +25,11 @@ public:
         SharedVertices<Vertex> shared;
         std::vector<Vertex> all;
         for (std::size_t i = 0; i < paths; ++i) {
+            shared.begin_path();
             for (int count = std::uniform_int_distribution(0, 3)(random_); count > 0; --count) {
                 all.push_back({hidden(0.6) ? 0 : std::exp(1.5 * normal_(random_))});
                 shared.add(all.back());
             }
-            shared.end_path();
         }
         double error = 0;
         for (std::size_t walk = 0; walk < paths; ++walk) {
@@ -72,15 +72,15 @@ TEST(SharedVertices, GiveTheMeanOverAllLightPaths) {
 
 TEST(SharedVertices, KeepTheVerticesOfEachPath) {
     SharedVertices<Vertex> shared;
-    shared.end_path();
+    shared.begin_path();
+    shared.begin_path();
     shared.add({1});
     shared.add({2});
-    shared.end_path();
     EXPECT_TRUE(shared.path(0).empty());
     EXPECT_EQ(shared.path(1).size(), 2u);
     shared.clear();
+    shared.begin_path();
     shared.add({3});
-    shared.end_path();
     ASSERT_EQ(shared.path(0).size(), 1u);
     EXPECT_EQ(shared.path(0)[0].factor, 3);
 }
