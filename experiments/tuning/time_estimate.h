@@ -38,8 +38,8 @@ struct Verdict {
     std::vector<double> log_times = {};  ///< natural logarithms of the runs' seconds to a target that is measured
 };
 
-/// `is_unbiased`: the floor is known to be 0. Else times that were not measured have an upper end only where the law's
-/// floor is known to lie below the target.
+/// `is_unbiased`: the floor is known to be 0. Times that were not measured are those of PriceLaw::extrapolate(); fewer than three runs
+/// or four points have no such law, and then times are known of unbiased methods alone.
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
 
 /// Seconds for each of several runs, of which run i wants `wanted[i]`, so that together they take at most `seconds`, with
