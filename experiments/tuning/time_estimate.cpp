@@ -79,14 +79,6 @@ std::uint32_t passes_after(const std::vector<Cell>& cells, double seconds) {
     return static_cast<std::uint32_t>(std::ceil(std::clamp(passes, 1.0, 1e9) - 1e-9));
 }
 
-/// The places of the values from the least to the largest.
-std::vector<std::size_t> order_of(const std::vector<double>& values) {
-    std::vector<std::size_t> order(values.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
-    return order;
-}
-
 }  // namespace
 
 TimeEstimate estimated_time(const Cell& cell, double target, double horizon) {
@@ -148,40 +140,19 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
 
 std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides) {
     constexpr double least = 0.01;  // [s]; one pass always completes
-    std::vector<double> shares(wanted.size());
-    std::size_t left = wanted.size();
-    for (const std::size_t i : order_of(wanted)) {
-        const double even = seconds / static_cast<double>(left--) - besides;
-        shares[i] = std::max(least, std::min(wanted[i], even));
-        seconds -= shares[i] + besides;
-    }
-    return shares;
-}
-
-std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
-                                      double seconds, double besides) {
     constexpr double most_for_one = 0.8;
-    constexpr std::size_t promising = 2;
-    const auto even = shared_seconds(wanted, seconds, besides);
-    std::size_t reached = 0, left = wanted.size();  // by even shares
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-        reached += even[i] >= needed[i] ? 1 : 0;
-    std::vector<double> shares(wanted.size()), wanted_by_others;
-    std::vector<std::size_t> others;
-    for (const std::size_t i : order_of(needed)) {
-        const double most = most_for_one * (seconds - besides * static_cast<double>(left));
-        if (wanted.size() - left-- - others.size() < promising && needed[i] <= most) {
-            shares[i] = std::clamp(wanted[i], needed[i], most);
-            seconds -= shares[i] + besides;
-        } else {
-            others.push_back(i);
-            wanted_by_others.push_back(wanted[i]);
-        }
+    std::vector<std::size_t> order(wanted.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return wanted[i]; });
+    std::vector<double> shares(wanted.size());
+    auto left = static_cast<double>(wanted.size());
+    for (const std::size_t i : order) {
+        const double even = seconds / left - besides, alone = most_for_one * (seconds - left * besides);
+        const bool needs_more = even < wanted[i] / 2 && wanted[i] / 2 <= alone;
+        shares[i] = std::max(least, std::min(wanted[i], needs_more ? alone : even));
+        seconds -= shares[i] + besides;
+        --left;
     }
-    if (wanted.size() - others.size() <= reached) return even;
-    const auto rest = shared_seconds(wanted_by_others, seconds, besides);
-    for (std::size_t n = 0; n < others.size(); ++n)
-        shares[others[n]] = rest[n];
     return shares;
 }
 

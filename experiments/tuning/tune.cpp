@@ -150,23 +150,15 @@ private:
                 fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    /// Sets the budget to an ample one, and what is needed, by the seeds of the choice; infinite unless all of its runs were done.
+    /// Sets the budget to an ample one by the seeds of the choice; infinite unless all of its runs were done.
     void estimate(FinalSetting& candidate) {
         std::vector<TuningRuns::Wanted> wanted;
         for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
             wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
         double log_cost = 0;
-        std::vector<Cell> cells;
-        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end))) {
+        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end)))
             log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
-            if (run.cell) cells.push_back(*run.cell);
-        }
         candidate.budget = ample * std::exp(log_cost / choice_seeds);
-        candidate.needed = INFINITY;
-        if (cells.size() < choice_seeds) return;
-        const Verdict verdict = verdict_of(cells, target_, result_.methods[candidate.method].is_unbiased);
-        if (verdict.seconds.interval && std::isfinite(verdict.seconds.interval->hi))
-            candidate.needed = verdict.seconds.interval->hi;
     }
 
     /// Chooses the best setting of each method, and the order of the methods, by seeds that the search has not seen. What
@@ -180,8 +172,7 @@ private:
                     candidates.push_back({.method = m,
                                           .setting = trials[i].setting,
                                           .is_best = true,
-                                          .budget = ample * trials[i].time.cost(),
-                                          .needed = trials[i].time.seconds});
+                                          .budget = ample * trials[i].time.cost()});
         }
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
@@ -209,12 +200,10 @@ private:
     /// The budgets of all final runs. Other settings than the best are left out where their runs would not end in time.
     void plan_finals() {
         const double left = std::max(0.0, seconds() - runs_.used()), besides = runs_.besides();
-        std::vector<double> wanted, needed;
-        for (const FinalSetting& f : result_.finals) {
+        std::vector<double> wanted;
+        for (const FinalSetting& f : result_.finals)
             wanted.push_back(f.budget);
-            needed.push_back(f.needed);
-        }
-        const auto budgets = promising_seconds(wanted, needed, best_share * left / fewest_seeds, besides);
+        const auto budgets = shared_seconds(wanted, best_share * left / fewest_seeds, besides);
         double used = 0;
         for (std::size_t i = 0; i < budgets.size(); ++i) {
             result_.finals[i].budget = budgets[i];

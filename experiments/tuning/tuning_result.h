@@ -26,7 +26,6 @@ struct FinalSetting {
     double budget = 0;     ///< longest time of a run [s]
     Verdict verdict = {};
     bool is_fresh = true;  ///< false: no time was left for final runs, and the verdict is that of the search's run
-    double needed = 0;     ///< upper end of the time to the target by the seeds of the choice [s]; infinite: unknown
 };
 
 struct TuningResult {
