@@ -43,16 +43,11 @@ constexpr double ample = 2;
 /// Other settings are given up after this many times the time of the best one: it is enough to know that they take longer.
 constexpr double longest_factor = 3;
 
-std::vector<Variation> variations_of(const TuneFile& file) {
+/// The methods that are searched. Throws InputError if a label or a variation is wrong.
+std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
     std::vector<Variation> variations;
     for (const auto& [text, where] : file.variations)
         variations.push_back(parse_variation(text, where));
-    return variations;
-}
-
-/// The methods that are searched. Throws InputError if a label or a variation is wrong.
-std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
-    const auto variations = variations_of(file);
     std::vector<SearchSpace> spaces;
     std::set<std::string> parameters;
     for (const auto& text : file.methods.empty() ? names_of_comparable_methods() : file.methods) {
@@ -79,8 +74,13 @@ std::vector<MethodLabel> bases_of(const std::vector<SearchSpace>& spaces) {
 
 class Tuning {
 public:
-    Tuning(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options)
-        : Tuning(asked_spaces(file), file, scene, options) {}
+    Tuning(const std::vector<SearchSpace>& spaces, const TuneFile& file, const ExperimentScene& scene,
+           const RunOptions& options)
+        : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
+        result_ = {.scene = scene.name, .target = file.target, .minutes = file.minutes};
+        for (const SearchSpace& space : spaces)
+            result_.methods.push_back({space, runs_.is_unbiased(space.base()), runs_.left_out(space.base())});
+    }
 
     int run(std::ostream& out) {
         const std::string words = runs_.make_reference(reference_end * seconds(), latest_reference_end * seconds());
@@ -102,14 +102,6 @@ public:
     }
 
 private:
-    Tuning(const std::vector<SearchSpace>& spaces, const TuneFile& file, const ExperimentScene& scene,
-           const RunOptions& options)
-        : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
-        result_ = {.scene = scene.name, .target = file.target, .target_error = target_, .minutes = file.minutes};
-        for (const SearchSpace& space : spaces)
-            result_.methods.push_back({space, runs_.is_unbiased(space.base()), runs_.left_out(space.base())});
-    }
-
     double seconds() const { return 60 * result_.minutes; }
     /// When a part has to end [s] that ends after this share of the whole time if the reference takes no more than its part.
     double end_of(double share) const { return seconds() * (1 - (1 - share) * (1 - begin_) / (1 - reference_end)); }
@@ -286,7 +278,7 @@ private:
 int tune(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;
     if (file.head.epsilon) require_epsilon(*file.head.epsilon);
-    return Tuning(file, scene, options).run(out);
+    return Tuning(asked_spaces(file), file, scene, options).run(out);
 }
 
 int run_or_tune(const RunOptions& options, std::ostream& out) {

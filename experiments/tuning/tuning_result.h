@@ -31,7 +31,6 @@ struct FinalSetting {
 struct TuningResult {
     std::string scene;        ///< name
     std::string target;       ///< relative RMSE, as asked for
-    double target_error = 0;  ///< the same as a share
     double minutes = 0;       ///< time that was asked for
     double used_seconds = 0;  ///< time that reference, search and final runs took
     std::vector<TunedMethod> methods = {};
