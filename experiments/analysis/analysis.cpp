@@ -319,7 +319,6 @@ void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, cons
         analysis.warnings.push_back(
             {.kind = Warning::Kind::reference_contradicted,
              .scene = scene.name,
-             .layer = layer_of(component),
              .sentence = fmt::format(
                  "the reference is wrong: {} finds {}; {} is not judged, nor is the time in which the whole image "
                  "reaches an error, which was measured with it",

@@ -95,9 +95,8 @@ struct Warning {
     enum class Kind { no_light, busy_machine, unlike_processors, equal_images, reference_contradicted, energy_differs };
     Kind kind;
     std::string scene;
-    std::optional<Layer> layer = {};  ///< empty: of no layer alone
-    std::string sentence;             ///< without its full stop
-    std::string command = {};         ///< what helps; may be empty
+    std::string sentence;      ///< without its full stop
+    std::string command = {};  ///< what helps; may be empty
 };
 
 struct Analysis {

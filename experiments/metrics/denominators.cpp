@@ -100,11 +100,6 @@ Image smoothed_mean(const std::vector<Image>& groups, const IsIn& is_in) {
     return smoothed(values);
 }
 
-bool has_finite_values(const ReferenceLayer& layer) {
-    return layer.mean.non_finite_values() == 0 &&
-           (!layer.standard_error || layer.standard_error->non_finite_values() == 0);
-}
-
 }  // namespace
 
 /// The weights of pairs of groups of one value, and the groups' differences from the layer's mean.
@@ -169,7 +164,7 @@ private:
 
 Denominators::Denominators(const ReferenceLayer& total, double epsilon) : Denominators(total.mean, epsilon) {
     // An error against what is not finite is no number; filtering would spread it.
-    if (!has_finite_values(total) || plain_.rgb.empty()) return;
+    if (total.non_finite_values() > 0 || plain_.rgb.empty()) return;
     if (total.groups.size() < folds) {
         if (!total.standard_error) return;
         NoisyValues values{{plain_.rgb.begin(), plain_.rgb.end()}, {}, plain_.width, plain_.height};

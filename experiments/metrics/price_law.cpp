@@ -336,7 +336,6 @@ std::optional<PriceLaw> fit_price_law(const std::vector<std::vector<ErrorPoint>>
     price.ceiling = fit->law;
     price.floor = {fit->law.floor, std::nullopt};
     price.slope = {fit->law.slope, std::nullopt};
-    price.first_seconds = curves.all.front().seconds;
     price.last_seconds = curves.all.back().seconds;
     price.floorless_slope = {price.floorless.slope, std::nullopt};
     price.misfit = largest_deviation(price.law, curves.all);

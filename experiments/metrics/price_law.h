@@ -52,7 +52,7 @@ struct PriceLaw {
     Estimate floorless_slope;
     /// The largest relative deviation of the law from a measured squared error; near 0 where the law holds.
     double misfit = 0, floorless_misfit = 0;
-    double first_seconds = 0, last_seconds = 0;  ///< the measured span; the law extrapolates beyond it
+    double last_seconds = 0;  ///< the end of the measured span; the law extrapolates beyond it
 
     /// Whether the runs stand at a floor: its whole interval is above 0.
     bool stands() const { return floor.interval && floor.interval->lo > 0; }

@@ -158,6 +158,14 @@ ReferenceLayer layer_of_groups(std::vector<Image> groups) {
     return layer;
 }
 
+std::size_t ReferenceLayer::non_finite_values() const {
+    std::size_t count = 0;
+    for (const Image& group : groups)
+        count += group.non_finite_values();
+    if (count > 0) return count;
+    return mean.non_finite_values() + (standard_error ? standard_error->non_finite_values() : 0);
+}
+
 double ReferenceLayer::squared_bias(std::size_t i) const {
     if (bias.empty()) return 0;
     const double b{bias[0].mean.rgb[i]}, error = bias[0].standard_error ? double{bias[0].standard_error->rgb[i]} : 0;

@@ -23,6 +23,8 @@ struct ReferenceLayer {
     /// Empty, or one layer: the estimated bias of the mean (ComponentImages::bias).
     std::vector<ReferenceLayer> bias = {};
 
+    /// The number of values that are not finite: of the groups, else of the mean and its standard error, which are made of them.
+    std::size_t non_finite_values() const;
     /// Estimate of the squared bias of value i; 0 without a bias. It is unbiased, and may be negative, if the bias has a
     /// standard error. If not, as in a single image, it is too large by the noise of the bias.
     double squared_bias(std::size_t i) const;

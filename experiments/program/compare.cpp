@@ -137,11 +137,8 @@ void require_same_scene(const std::string& path, const LayeredImage& image, cons
 }
 
 void require_finite(const std::string& path, const std::string& layer, const ReferenceLayer& reference) {
-    std::size_t bad = reference.mean.non_finite_values();
-    if (reference.standard_error) bad += reference.standard_error->non_finite_values();
-    for (const Image& group : reference.groups)
-        bad += group.non_finite_values();
-    if (bad > 0) reject({path, 0, 0}, "cannot be a reference: {} values of {} are not finite", bad, layer);
+    if (const std::size_t bad = reference.non_finite_values(); bad > 0)
+        reject({path, 0, 0}, "cannot be a reference: {} values of {} are not finite", bad, layer);
 }
 
 void require_consistent(const CompareOptions& options) {

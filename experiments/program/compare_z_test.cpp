@@ -20,15 +20,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, scale_count> scale_keys = {"z_blocks", "z_regions", "z_image"};
 constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"}, xyz_names = {"X", "Y", "Z"};
 
-std::size_t nonfinite_values(const ReferenceLayer& layer) {
-    std::size_t count = 0;
-    for (const Image& group : layer.groups)
-        count += group.non_finite_values();
-    // The mean and the standard error are computed from the groups, so they are not counted again.
-    if (count > 0) return count;
-    return layer.mean.non_finite_values() + (layer.standard_error ? layer.standard_error->non_finite_values() : 0);
-}
-
 std::string line(const std::string& name, const std::string& text) { return fmt::format("  {:<18} {}\n", name, text); }
 
 /// The text "3 to 5" for `count` = 3 pixels from `first` = 3 on.
@@ -145,7 +136,7 @@ ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
     ZTestReport report;
     std::size_t nonfinite = 0;
     for (const ComparedLayer& layer : layers)
-        nonfinite += nonfinite_values(layer.x);
+        nonfinite += layer.x.non_finite_values();
     const ComparedLayer& total = layers.front();
     report.json = {{"z_test", "blocks"},
                    {"z_accepted", false},

@@ -132,8 +132,6 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
     return sweeps;
 }
 
-using nlohmann::json;
-
 }  // namespace
 
 json report_data(const Analysis& analysis) {

@@ -183,11 +183,7 @@ json method_entry(const SceneFiles& files, std::size_t method, const Judgement& 
     entry["bias_half_width"] = store.add(pack_half(bias.half_width, size.width, size.height, 1));
     const std::string map = files.folder.flip_map(files.folder_of(first));
     if (std::filesystem::exists(map)) {
-        const FlipMap flip = flip_values(read_image(map).layers.front().second);
-        Image grey(flip.width, flip.height);
-        for (std::size_t i = 0; i < grey.pixels(); ++i)
-            grey.set(i, Color::Constant(flip.values[i]));
-        const Image small = reduced(grey, reduction);
+        const Image small = reduced(flip_values(read_image(map).layers.front().second), reduction);
         std::vector<std::uint8_t> bytes(small.pixels());
         for (std::size_t i = 0; i < bytes.size(); ++i)
             bytes[i] = static_cast<std::uint8_t>(std::lround(255.f * std::clamp(small.rgb[3 * i], 0.f, 1.f)));

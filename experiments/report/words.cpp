@@ -117,32 +117,8 @@ public:
         return rows;
     }
 
-    ShortAnswer short_answer(std::size_t target) const {
-        if (!contest_.is_judged()) return {"not judged", ""};
-        const auto ranking = contest_.to_error(target);
-        if (const Contender* best = best_of(ranking)) {
-            const std::string seconds = short_number(row(best->method).times[target]->value) + " s";
-            return {best->method, seconds + (ranking.size() > 1 ? after_comma(doubts(ranking)) : "")};
-        }
-        if (!is_target_resolved(target, contest_.noise_floor())) return {"not resolved", ""};
-        const auto closest = contest_.by_final_images();
-        const TableRow* first = closest.empty() ? nullptr : analysis_.row(scene_, closest.front().method, Layer::total);
-        if (!first || !first->statistics) return {"not reached", ""};
-        // Its error, and the time to the target by the fitted law, if there is one.
-        const Field time = time_field(*first, target), error = row_of(first->method, target, INFINITY).error;
-        const bool has_time = time.state == State::extrapolated || time.state == State::at_least;
-        return {"not reached", fmt::format("closest: {}, {} after {} s{}{}", first->method, line_of(error, " %"),
-                                           short_number(first->seconds), has_time ? "; " + line_of(time, " s") : "",
-                                           after_comma(doubts(closest)))};
-    }
-
 private:
     const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
-    /// The page's head has no code; names may have commas.
-    static std::string after_comma(std::string text) {
-        std::ranges::replace(text, '`', '\'');
-        return text.empty() ? "" : ", " + text;
-    }
 
     /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below half a
     /// percent: "90 % caustic, 10 % indirect"; empty if there is none.
@@ -230,7 +206,8 @@ private:
         rows[0].remark = ranking.size() == 1    ? ""
                          : of_best.open.empty() ? "cheapest"
                                                 : "first that was seen to reach it";
-        if (const std::string doubt = doubts(ranking); !doubt.empty()) rows[0].remark += ", " + doubt;
+        rows[0].doubts = doubts(ranking);
+        if (!rows[0].doubts.empty()) rows[0].remark += ", " + rows[0].doubts;
         for (const std::string& method : shown) {
             VerdictRow& other = rows.emplace_back(row_of(method, target, seconds));
             other.factor = times_as_much(other.seconds, 1 / seconds);
@@ -254,7 +231,8 @@ private:
         for (const std::string& method : by_mean(closest))
             methods.push_back(method);
         std::vector<VerdictRow> rows = {row_of(methods.front(), target, INFINITY)};
-        const std::string doubt = doubts(closest), &left = rows[0].remark;
+        const std::string& doubt = rows[0].doubts = doubts(closest);
+        const std::string left = rows[0].remark;
         rows[0].remark = "closest" + (doubt.empty() ? "" : ", " + doubt) + (left.empty() ? "" : "; " + left);
         for (const std::string& method : best_of_other_names(methods))
             rows.push_back(row_of(method, target, INFINITY));
@@ -387,7 +365,19 @@ std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& sce
 }
 
 ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target) {
-    return Answers(analysis, scene).short_answer(target);
+    for (const VerdictRow& v : verdict(analysis, scene)) {
+        if (!v.target) return {"not judged", ""};
+        if (v.target != target) continue;
+        if (v.method.empty()) return {"not resolved", ""};
+        std::string doubt = v.doubts.empty() ? "" : ", " + v.doubts;
+        std::ranges::replace(doubt, '`', '\'');  // the page's head has no code
+        if (v.is_best) return {v.method, short_number(v.seconds.value) + " s" + doubt};
+        const bool has_time = v.seconds.state == State::extrapolated || v.seconds.state == State::at_least;
+        return {"not reached", fmt::format("closest: {}, {} after {} s{}{}", v.method, line_of(v.error, " %"),
+                                           short_number(analysis.row(scene, v.method, Layer::total)->seconds),
+                                           has_time ? "; " + line_of(v.seconds, " s") : "", doubt)};
+    }
+    return {"not reached", ""};
 }
 
 std::string help_of(const Warning& warning) {

@@ -74,6 +74,7 @@ struct VerdictRow {
     Field error = {};         ///< relative RMSE after the best one's time; if none has reached it, of the final images
     std::string parts = "";   ///< components that hold the squared error: "90 % caustic, 10 % indirect"
     std::string kind = "";    ///< bias or noise: error_kind()
+    std::string doubts = "";  ///< about the first: doubts()
     std::string remark = "";  ///< how it stands beside the others, and what it leaves out
     bool is_best = false;
     bool is_tie = false;  ///< whether it is the best and ties, or cannot be told from the best

@@ -7,19 +7,6 @@ function zeroPlace(settings, column) {
   return positive.length > 0 ? Math.min(...positive) / 2 : 1;
 }
 
-/** The lower convex hull of points in the logarithms of both coordinates (Andrew 1979). */
-function lowerHull(points) {
-  const sorted = points.filter((p) => p.x > 0).sort((a, b) => a.x - b.x || a.y - b.y);
-  const turn = (a, b, c) => Math.log(b.x / a.x) * Math.log(c.y / a.y) - Math.log(b.y / a.y) * Math.log(c.x / a.x);
-  const hull = [];
-  for (const p of sorted) {
-    if (hull.length > 0 && hull.at(-1).x === p.x) continue;
-    while (hull.length > 1 && turn(hull.at(-2), hull.at(-1), p) <= 0) hull.pop();
-    hull.push(p);
-  }
-  return hull;
-}
-
 function parameterAxis(parameter, column, settings) {
   if (parameter.words) {
     const made = axis("linear", parameter.name);
@@ -47,9 +34,7 @@ function settingSets(method, column) {
   const shown = settings.filter((s) => s.values[column] !== null && s.seconds !== null);
   const points = (list) => list.map((s) => ({x: place(s.values[column]), y: s.seconds, setting: s}));
   const marks = {showLine: false, pointStyle: "circle"};
-  const hull = words ? [] : lowerHull(points(shown.filter((s) => s.measured)));
   return [
-    methodLine(method, hull, {pointRadius: 0, pointHitRadius: 0, hover: false, order: 2}),
     methodLine(method, points(shown.filter((s) => s.measured)), marks),
     methodLine(method, points(shown.filter((s) => !s.measured)), {...marks, pointBackgroundColor: "transparent", borderWidth: 1}),
     methodLine(method, points(shown.filter((s) => s.label === label)), {...marks, pointRadius: 9, pointHoverRadius: 10, pointBackgroundColor: "transparent",

@@ -16,7 +16,6 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 namespace gib {
 
@@ -138,25 +137,21 @@ Image flip_image(const FlipMap& map) {
     return image;
 }
 
-FlipMap flip_values(const Image& picture) {
+Image flip_values(const Image& picture) {
     constexpr int steps = 256;
     std::array<Color, steps> table;
     for (int i = 0; i < steps; ++i)
         table[static_cast<std::size_t>(i)] =
             scale_color(magma_colors(), static_cast<float>(i) / static_cast<float>(steps - 1));
-    FlipMap map{picture.width, picture.height, std::vector<float>(picture.pixels())};
+    Image values(picture.width, picture.height);
     for (std::size_t p = 0; p < picture.pixels(); ++p) {
         const Color linear = picture.at(p);
         const Color color(srgb_from_linear(linear[0]), srgb_from_linear(linear[1]), srgb_from_linear(linear[2]));
-        float least = std::numeric_limits<float>::infinity();
-        for (int i = 0; i < steps; ++i) {
-            const float distance = (color - table[static_cast<std::size_t>(i)]).square().sum();
-            if (!(distance < least)) continue;
-            least = distance;
-            map.values[p] = static_cast<float>(i) / static_cast<float>(steps - 1);
-        }
+        const auto nearest =
+            std::ranges::min_element(table, {}, [&](const Color& step) { return (color - step).square().sum(); });
+        values.set(p, Color::Constant(static_cast<float>(nearest - table.begin()) / static_cast<float>(steps - 1)));
     }
-    return map;
+    return values;
 }
 
 int reduction_for(int width, int height, int largest) {

@@ -38,7 +38,6 @@ using MeasureTimes =
 struct SearchLimits {
     double seconds;                   ///< time for all runs together
     std::function<double()> elapsed;  ///< seconds so far, with all that a run takes besides its budget
-    int settings_per_axis = 6;        ///< size of the cover
     int most_steps = 8;               ///< limit on the steps of the descent
 };
 

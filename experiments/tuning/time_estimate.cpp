@@ -2,12 +2,10 @@
 
 #include "common/core/math.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/metrics/price_law.h"
 #include "experiments/metrics/student_t.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 namespace gib {
@@ -19,13 +17,6 @@ constexpr double farthest_beyond_runs = 100;  // times the longest run
 
 std::vector<CurvePoint> curve_of(const Cell& cell) { return error_curves({&cell}, Layer::total).front(); }
 
-std::vector<ErrorPoint> squared(const std::vector<CurvePoint>& curve) {
-    std::vector<ErrorPoint> points;
-    for (const CurvePoint& point : curve)
-        points.push_back({point.seconds, sqr(point.error)});
-    return points;
-}
-
 /// The law of independent samples through the last point of a run.
 ErrorLaw law_through_end(const Cell& cell, const CurvePoint& last) {
     return {.factor = sqr(last.error) * (last.seconds - cell.prepare_seconds), .start = cell.prepare_seconds};
@@ -34,7 +25,7 @@ ErrorLaw law_through_end(const Cell& cell, const CurvePoint& last) {
 /// The law of a run that has not reached the target.
 ErrorLaw law_of(const Cell& cell, const std::vector<CurvePoint>& curve) {
     if (cell.converged) return {.floor = sqr(curve.back().error)};
-    const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
+    const auto price = price_law_of({&cell}, Layer::total, 0);
     return price ? price->law : law_through_end(cell, curve.back());
 }
 
@@ -50,38 +41,17 @@ Estimate mapped(const Estimate& e, double (*to)(double)) {
     return {to(e.value), e.interval ? std::optional(Interval{to(e.interval->lo), to(e.interval->hi)}) : std::nullopt};
 }
 
-double mean_over(const std::vector<Cell>& cells, const std::function<double(const Cell&)>& value) {
-    double sum = 0;
-    for (const Cell& cell : cells)
-        sum += value(cell);
-    return sum / static_cast<double>(cells.size());
-}
-
-/// The runs of an unbiased method that have not all reached the target: each one's time by its law without a floor.
-Estimate time_without_floor(const std::vector<Cell>& cells, double target) {
+/// The time of independent samples: the mean over the runs, of which each counts with its own time or with the law through its
+/// last point.
+Estimate time_of_independent_samples(const std::vector<Cell>& cells, double target) {
     std::vector<double> logs;
     for (const Cell& cell : cells) {
         const auto curve = curve_of(cell);
-        const auto price = fit_price_law({squared(curve)}, cell.prepare_seconds);
-        const auto crossing = time_to_error({curve}, target);
-        const ErrorLaw law =
-            price ? price->floorless.no_steeper_after(price->last_seconds) : law_through_end(cell, curve.back());
-        logs.push_back(std::log(crossing ? crossing->value : law.seconds_to(sqr(target)).value_or(infinity)));
+        const auto time = crossing_time(curve, target);
+        logs.push_back(
+            std::log(time ? *time : law_through_end(cell, curve.back()).seconds_to(sqr(target)).value_or(infinity)));
     }
     return mapped(with_interval_of(logs), std::exp);
-}
-
-/// The same for a method that may have a floor: from the time without one to that with the highest floor that the runs allow.
-/// NaN without a law: an error that does not fall tells no time.
-Estimate time_above_floor(const std::vector<Cell>& cells, const std::optional<PriceLaw>& price, double target) {
-    if (!price) return {std::numeric_limits<double>::quiet_NaN(), std::nullopt};
-    const double without = time_without_floor(cells, target).value;
-    const double least = std::min(without, price->floorless.seconds_to(sqr(target)).value_or(without));
-    ErrorLaw worst = price->law;
-    worst.floor = price->floor.interval ? price->floor.interval->hi : infinity;
-    const double most = worst.seconds_to(sqr(target)).value_or(infinity);
-    const double likely = price->law.seconds_to(sqr(target)).value_or(least);
-    return {likely, Interval{std::min(least, likely), std::max(most, likely)}};
 }
 
 /// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
@@ -101,19 +71,12 @@ Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, do
 
 /// The passes of a run after so many seconds at the pace of its last image.
 std::uint32_t passes_after(const std::vector<Cell>& cells, double seconds) {
-    const double passes = mean_over(cells, [&](const Cell& cell) {
+    double passes = 0;
+    for (const Cell& cell : cells) {
         const double pace = cell.last().passes / std::max(cell.last().seconds - cell.prepare_seconds, 1e-9);
-        return pace * (seconds - cell.prepare_seconds);
-    });
+        passes += pace * (seconds - cell.prepare_seconds) / static_cast<double>(cells.size());
+    }
     return static_cast<std::uint32_t>(std::ceil(std::clamp(passes, 1.0, 1e9) - 1e-9));
-}
-
-/// The places of the values from the least to the largest.
-std::vector<std::size_t> order_of(const std::vector<double>& values) {
-    std::vector<std::size_t> order(values.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
-    return order;
 }
 
 }  // namespace
@@ -136,12 +99,9 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     const auto curves = error_curves(runs, Layer::total);
     if (curves.empty() || std::ranges::any_of(curves, [](const auto& curve) { return curve.empty(); })) return {};
     Verdict verdict{.runs = cells.size(), .seconds_of_error = mean_seconds(runs)};
-    std::vector<std::vector<ErrorPoint>> points;
     std::vector<double> errors;
-    for (const auto& curve : curves) {
-        points.push_back(squared(curve));
+    for (const auto& curve : curves)
         errors.push_back(curve.back().error);
-    }
     verdict.error = sample_mean(errors).value;
     verdict.reached = static_cast<std::size_t>(
         std::ranges::count_if(curves, [&](const auto& curve) { return crossing_time(curve, target).has_value(); }));
@@ -159,58 +119,40 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     }
     verdict.passes = passes_after(cells, verdict.seconds_of_error);
     const bool converged = verdict.error > target && have_converged(runs);
-    const auto price = fit_price_law(points, mean_over(cells, [](const Cell& cell) { return cell.prepare_seconds; }));
-    const bool has_floor = !is_unbiased && price && price->floor.interval && price->floor.interval->lo > sqr(target);
-    // Theory knows no floor, but runs that have not met some light stand at one.
-    const bool is_without_floor = is_unbiased && !(price && price->stands());
-    if (converged || has_floor) {
+    const auto price = price_law_of(runs, Layer::total, 0);
+    const auto time = price ? price->extrapolate(sqr(target), is_unbiased) : std::nullopt;
+    if (converged || (time && time->kind == Extrapolation::Kind::never)) {
         verdict.state = Verdict::not_reachable;
         verdict.floor = converged ? with_interval_of(errors) : mapped(price->floor, std::sqrt);
         return verdict;
     }
     verdict.state = Verdict::extrapolated;
-    verdict.seconds = beyond_runs(
-        is_without_floor ? time_without_floor(cells, target) : time_above_floor(cells, price, target), cells, target);
+    Estimate seconds{0, std::nullopt};
+    // Theory knows the law of runs that are too few or too short to show it. Those that have reached the target know their own times.
+    if (is_unbiased && (verdict.reached > 0 || !(price && price->floor.interval)))
+        seconds = time_of_independent_samples(cells, target);
+    else if (time && law_reaches(*price, price->last_seconds))
+        seconds = {time->seconds, time->interval.value_or(Interval{time->seconds, infinity})};
+    verdict.seconds = beyond_runs(seconds, cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
 }
 
 std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides) {
     constexpr double least = 0.01;  // [s]; one pass always completes
-    std::vector<double> shares(wanted.size());
-    std::size_t left = wanted.size();
-    for (const std::size_t i : order_of(wanted)) {
-        const double even = seconds / static_cast<double>(left--) - besides;
-        shares[i] = std::max(least, std::min(wanted[i], even));
-        seconds -= shares[i] + besides;
-    }
-    return shares;
-}
-
-std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
-                                      double seconds, double besides) {
     constexpr double most_for_one = 0.8;
-    constexpr std::size_t promising = 2;
-    const auto even = shared_seconds(wanted, seconds, besides);
-    std::size_t reached = 0, left = wanted.size();  // by even shares
-    for (std::size_t i = 0; i < wanted.size(); ++i)
-        reached += even[i] >= needed[i] ? 1 : 0;
-    std::vector<double> shares(wanted.size()), wanted_by_others;
-    std::vector<std::size_t> others;
-    for (const std::size_t i : order_of(needed)) {
-        const double most = most_for_one * (seconds - besides * static_cast<double>(left));
-        if (wanted.size() - left-- - others.size() < promising && needed[i] <= most) {
-            shares[i] = std::clamp(wanted[i], needed[i], most);
-            seconds -= shares[i] + besides;
-        } else {
-            others.push_back(i);
-            wanted_by_others.push_back(wanted[i]);
-        }
+    std::vector<std::size_t> order(wanted.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return wanted[i]; });
+    std::vector<double> shares(wanted.size());
+    auto left = static_cast<double>(wanted.size());
+    for (const std::size_t i : order) {
+        const double even = seconds / left - besides, alone = most_for_one * (seconds - left * besides);
+        const bool needs_more = even < wanted[i] / 2 && wanted[i] / 2 <= alone;
+        shares[i] = std::max(least, std::min(wanted[i], needs_more ? alone : even));
+        seconds -= shares[i] + besides;
+        --left;
     }
-    if (wanted.size() - others.size() <= reached) return even;
-    const auto rest = shared_seconds(wanted_by_others, seconds, besides);
-    for (std::size_t n = 0; n < others.size(); ++n)
-        shares[others[n]] = rest[n];
     return shares;
 }
 

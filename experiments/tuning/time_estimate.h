@@ -38,17 +38,13 @@ struct Verdict {
     std::vector<double> log_times = {};  ///< natural logarithms of the runs' seconds to a target that is measured
 };
 
-/// `is_unbiased`: the floor is known to be 0. Else times that were not measured have an upper end only where the law's
-/// floor is known to lie below the target.
+/// `is_unbiased`: the floor is known to be 0. Times that were not measured are those of PriceLaw::extrapolate(); fewer than three runs
+/// or four points have no such law, and then times are known of unbiased methods alone.
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
 
 /// Seconds for each of several runs, of which run i wants `wanted[i]`, so that together they take at most `seconds`, with
-/// `besides` more for each: what they want, or an even share of what those that want less leave.
+/// `besides` more for each: what they want, or an even share of what those that want less leave. A run needs half of what it wants to
+/// reach what it is made for: where its even share is less, it has up to four fifths of the time that is left if this suffices.
 std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides);
-/// The same for runs that need `needed[i]` at most for what they are made for; infinite: unknown. Where even shares give fewer than
-/// two of them what they need, those that need least have it, one and then another, if it is no more than four fifths of the time
-/// that is left. Two, because the first may fail: what a few seeds have reached is missed by another one where noise is rare and bright.
-std::vector<double> promising_seconds(const std::vector<double>& wanted, const std::vector<double>& needed,
-                                      double seconds, double besides);
 
 }  // namespace gib

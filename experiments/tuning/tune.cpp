@@ -43,16 +43,11 @@ constexpr double ample = 2;
 /// Other settings are given up after this many times the time of the best one: it is enough to know that they take longer.
 constexpr double longest_factor = 3;
 
-std::vector<Variation> variations_of(const TuneFile& file) {
+/// The methods that are searched. Throws InputError if a label or a variation is wrong.
+std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
     std::vector<Variation> variations;
     for (const auto& [text, where] : file.variations)
         variations.push_back(parse_variation(text, where));
-    return variations;
-}
-
-/// The methods that are searched. Throws InputError if a label or a variation is wrong.
-std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
-    const auto variations = variations_of(file);
     std::vector<SearchSpace> spaces;
     std::set<std::string> parameters;
     for (const auto& text : file.methods.empty() ? names_of_comparable_methods() : file.methods) {
@@ -79,8 +74,13 @@ std::vector<MethodLabel> bases_of(const std::vector<SearchSpace>& spaces) {
 
 class Tuning {
 public:
-    Tuning(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options)
-        : Tuning(asked_spaces(file), file, scene, options) {}
+    Tuning(const std::vector<SearchSpace>& spaces, const TuneFile& file, const ExperimentScene& scene,
+           const RunOptions& options)
+        : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
+        result_ = {.scene = scene.name, .target = file.target, .minutes = file.minutes};
+        for (const SearchSpace& space : spaces)
+            result_.methods.push_back({space, runs_.is_unbiased(space.base()), runs_.left_out(space.base())});
+    }
 
     int run(std::ostream& out) {
         const std::string words = runs_.make_reference(reference_end * seconds(), latest_reference_end * seconds());
@@ -102,14 +102,6 @@ public:
     }
 
 private:
-    Tuning(const std::vector<SearchSpace>& spaces, const TuneFile& file, const ExperimentScene& scene,
-           const RunOptions& options)
-        : target_(parse_target(file.target)), runs_(file, scene, options, bases_of(spaces)) {
-        result_ = {.scene = scene.name, .target = file.target, .target_error = target_, .minutes = file.minutes};
-        for (const SearchSpace& space : spaces)
-            result_.methods.push_back({space, runs_.is_unbiased(space.base()), runs_.left_out(space.base())});
-    }
-
     double seconds() const { return 60 * result_.minutes; }
     /// When a part has to end [s] that ends after this share of the whole time if the reference takes no more than its part.
     double end_of(double share) const { return seconds() * (1 - (1 - share) * (1 - begin_) / (1 - reference_end)); }
@@ -150,23 +142,15 @@ private:
                 fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    /// Sets the budget to an ample one, and what is needed, by the seeds of the choice; infinite unless all of its runs were done.
+    /// Sets the budget to an ample one by the seeds of the choice; infinite unless all of its runs were done.
     void estimate(FinalSetting& candidate) {
         std::vector<TuningRuns::Wanted> wanted;
         for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
             wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
         double log_cost = 0;
-        std::vector<Cell> cells;
-        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end))) {
+        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end)))
             log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
-            if (run.cell) cells.push_back(*run.cell);
-        }
         candidate.budget = ample * std::exp(log_cost / choice_seeds);
-        candidate.needed = INFINITY;
-        if (cells.size() < choice_seeds) return;
-        const Verdict verdict = verdict_of(cells, target_, result_.methods[candidate.method].is_unbiased);
-        if (verdict.seconds.interval && std::isfinite(verdict.seconds.interval->hi))
-            candidate.needed = verdict.seconds.interval->hi;
     }
 
     /// Chooses the best setting of each method, and the order of the methods, by seeds that the search has not seen. What
@@ -180,8 +164,7 @@ private:
                     candidates.push_back({.method = m,
                                           .setting = trials[i].setting,
                                           .is_best = true,
-                                          .budget = ample * trials[i].time.cost(),
-                                          .needed = trials[i].time.seconds});
+                                          .budget = ample * trials[i].time.cost()});
         }
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
@@ -209,12 +192,10 @@ private:
     /// The budgets of all final runs. Other settings than the best are left out where their runs would not end in time.
     void plan_finals() {
         const double left = std::max(0.0, seconds() - runs_.used()), besides = runs_.besides();
-        std::vector<double> wanted, needed;
-        for (const FinalSetting& f : result_.finals) {
+        std::vector<double> wanted;
+        for (const FinalSetting& f : result_.finals)
             wanted.push_back(f.budget);
-            needed.push_back(f.needed);
-        }
-        const auto budgets = promising_seconds(wanted, needed, best_share * left / fewest_seeds, besides);
+        const auto budgets = shared_seconds(wanted, best_share * left / fewest_seeds, besides);
         double used = 0;
         for (std::size_t i = 0; i < budgets.size(); ++i) {
             result_.finals[i].budget = budgets[i];
@@ -297,7 +278,7 @@ private:
 int tune(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options, std::ostream& out) {
     const InterruptGuard guard;
     if (file.head.epsilon) require_epsilon(*file.head.epsilon);
-    return Tuning(file, scene, options).run(out);
+    return Tuning(asked_spaces(file), file, scene, options).run(out);
 }
 
 int run_or_tune(const RunOptions& options, std::ostream& out) {

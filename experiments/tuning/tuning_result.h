@@ -26,13 +26,11 @@ struct FinalSetting {
     double budget = 0;     ///< longest time of a run [s]
     Verdict verdict = {};
     bool is_fresh = true;  ///< false: no time was left for final runs, and the verdict is that of the search's run
-    double needed = 0;     ///< upper end of the time to the target by the seeds of the choice [s]; infinite: unknown
 };
 
 struct TuningResult {
     std::string scene;        ///< name
     std::string target;       ///< relative RMSE, as asked for
-    double target_error = 0;  ///< the same as a share
     double minutes = 0;       ///< time that was asked for
     double used_seconds = 0;  ///< time that reference, search and final runs took
     std::vector<TunedMethod> methods = {};

@@ -71,16 +71,4 @@ std::vector<Colord> PatchCorners::values(const PatchColors& of_leaves, const std
     return values;
 }
 
-StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners, const PatchLight& light,
-                             const PatchColors& B) {
-    StoredPatches stored;
-    for (std::size_t i = 0; i < corners.size(); ++i)
-        stored.corners.push_back(corners.place(i));
-    for (const Colord& b : corners.values(B, light.area))
-        stored.radiosity.push_back(b.cast<float>());
-    for (const std::uint32_t leaf : mesh.leaves())
-        stored.patches.push_back(corners.in_turn(leaf));
-    return stored;
-}
-
 }  // namespace gib

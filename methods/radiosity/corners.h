@@ -2,7 +2,6 @@
 // The plain display of a solution interpolates values at the corners of patches: a corner takes the mean of the patches
 // around it (Cohen and Greenberg 1985, "The Hemi-Cube"). The exact one, by rays, is in view.cpp.
 
-#include "methods/parts/stored_light/stored_light.h"
 #include "methods/radiosity/system.h"
 
 namespace gib {
@@ -15,7 +14,7 @@ public:
     explicit PatchCorners(const PatchMesh& mesh);
 
     std::size_t size() const { return places_.size(); }
-    const Vec3& place(std::size_t i) const { return places_[i]; }
+    const std::vector<Vec3>& places() const { return places_; }
     /// The corners of a leaf, in the order of PatchNode::corners.
     const std::array<std::uint32_t, 4>& of_leaf(std::uint32_t node) const { return of_leaf_[node]; }
     /// The same, counter-clockwise as seen from the front of the leaf's side; a triangle has its last twice.
@@ -29,9 +28,5 @@ private:
     std::vector<Vec3> places_;
     std::vector<std::array<std::uint32_t, 4>> of_leaf_;  ///< by node
 };
-
-/// All leaves with the radiosity B [W/m^2] of their corners.
-StoredPatches stored_patches(const PatchMesh& mesh, const PatchCorners& corners, const PatchLight& light,
-                             const PatchColors& B);
 
 }  // namespace gib

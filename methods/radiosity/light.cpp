@@ -27,10 +27,9 @@ Colord irradiance_at(RayQueries& rays, SurfaceHit hit, const Sampler& sampler) {
     return (pi * (light.sum() + found.sum())).cast<double>();
 }
 
-Colord reflectance_at(const SurfaceHit& hit, const Vec3& normal) {
+Colord reflectance_at(const SurfaceHit& hit) {
     const float there = 1.f - hit.bsdf->pass_through();
-    const Vec3 upright = hit.shading.to_local(normal);
-    const float side = upright.z() < 0.f ? -1.f : 1.f;
+    const float side = hit.shading.to_local(hit.ns).z() < 0.f ? -1.f : 1.f;
     if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(side)) return (there * *ideal).cast<double>();
     // The reflectance for evenly distributed light: the mean over sin^2 of the angle of incidence.
     constexpr int angles = 8;
@@ -168,8 +167,7 @@ public:
             static_cast<SurfacePoint&>(point) = hit;
             irradiance_[first + k] = irradiance_at(queries, hit, sampler);
             light_.irradiance[i] += irradiance_[first + k];
-            if (textured || k == 0)
-                light_.reflectance[i] += reflectance_at(hit, hit.ns) / (textured ? light_.samples : 1);
+            if (textured || k == 0) light_.reflectance[i] += reflectance_at(hit) / (textured ? light_.samples : 1);
         }
     }
 

@@ -65,13 +65,13 @@ struct Pair {
 
 class Refinement {
 public:
-    Refinement(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings)
+    Refinement(const PatchMesh& mesh, const PatchLight& light, double error, std::uint64_t seed)
         : mesh_(mesh),
           nodes_(mesh.nodes()),
           light_(light),
-          seed_(settings.seed),
-          allowed_(settings.error == 0 || light.mean_irradiance > 0 ? settings.error * light.mean_irradiance
-                                                                    : std::numeric_limits<double>::infinity()) {}
+          seed_(seed),
+          allowed_(error == 0 || light.mean_irradiance > 0 ? error * light.mean_irradiance
+                                                           : std::numeric_limits<double>::infinity()) {}
 
     /// Refine(p, q) of Hanrahan et al. 1991: one pair becomes nothing, a link, or pairs with the halves of one of its
     /// nodes.
@@ -188,9 +188,9 @@ private:
 
 }  // namespace
 
-std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
+std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, double error, std::uint64_t seed,
                                     std::uint64_t& rays, const StageTimes* stages) {
-    const Refinement refinement(mesh, light, settings);
+    const Refinement refinement(mesh, light, error, seed);
     std::vector<PatchLink> links;
     std::vector<Pair> pairs;
     if (!mesh.nodes().empty()) pairs.push_back({0, 0});

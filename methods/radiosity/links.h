@@ -20,15 +20,10 @@ struct PatchLink {
     float visible;       ///< V
 };
 
-struct LinkSettings {
-    /// The error of a link over the mean irradiance; 0 links every two leaves: the matrix of Goral et al. 1984.
-    double error;
-    std::uint64_t seed;
-};
-
-/// Finds the links that replace those between all pairs of leaves, by refinement from the top of the mesh's tree. Adds
-/// the rays traced to `rays`.
-std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, const LinkSettings& settings,
+/// Finds the links that replace those between all pairs of leaves, by refinement from the top of the mesh's tree.
+/// `error`: that of a link over the mean irradiance; 0 links every two leaves: the matrix of Goral et al. 1984. Adds the rays traced
+/// to `rays`.
+std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, double error, std::uint64_t seed,
                                     std::uint64_t& rays, const StageTimes* stages = nullptr);
 
 }  // namespace gib

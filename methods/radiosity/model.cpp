@@ -62,7 +62,7 @@ RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& sett
     {
         const auto timer = stages.time("links");
         const double error = settings.solver == RadiositySolver::direct ? 0 : settings.links;
-        const auto links = link_patches(mesh_, light_, {error, combine_keys(seed, link_key)}, rays_, &stages);
+        const auto links = link_patches(mesh_, light_, error, combine_keys(seed, link_key), rays_, &stages);
         link_count_ = links.size();
         system_ = std::make_unique<RadiositySystem>(mesh_, light_, links, is_closed());
     }
@@ -127,7 +127,12 @@ StoredPatches RadiosityModel::stored_patches() const {
     PatchColors B(mesh_.nodes().size(), Colord::Zero());
     for (const std::uint32_t leaf : mesh_.leaves())
         B[leaf] = light_.reflectance[leaf] * (light_.irradiance[leaf] + E_[leaf]);
-    return gib::stored_patches(mesh_, *corners_, light_, B);
+    StoredPatches stored{.corners = corners_->places(), .radiosity = {}, .patches = {}};
+    for (const Colord& b : corners_->values(B, light_.area))
+        stored.radiosity.push_back(b.cast<float>());
+    for (const std::uint32_t leaf : mesh_.leaves())
+        stored.patches.push_back(corners_->in_turn(leaf));
+    return stored;
 }
 
 std::vector<std::pair<std::string, std::string>> RadiosityModel::facts() const {

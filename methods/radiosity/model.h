@@ -1,6 +1,7 @@
 #pragma once
 // The part of radiosity that is the same for all cameras: patches, links, the system and its solution.
 
+#include "methods/parts/stored_light/stored_light.h"
 #include "methods/radiosity/corners.h"
 #include "methods/radiosity/solution.h"
 
@@ -30,7 +31,7 @@ public:
     Color irradiance(const SurfaceHit& hit, const Vec3& wo) const;
     /// Direct and indirect irradiance [W/m^2] of the patch of a hit seen from wo; 0 where there is no patch.
     Color irradiance_of_patch(const SurfaceHit& hit, const Vec3& wo) const;
-    /// The radiosity of the patches without emission; none before the first sweep.
+    /// The radiosity of the patches' corners without emission; none before the first sweep.
     StoredPatches stored_patches() const;
 
     std::uint64_t rays() const { return rays_; }

@@ -32,7 +32,7 @@ Verdict verdict(double seconds, std::uint32_t most_passes = 1024) {
 /// The best settings of two methods, and others of the first: photons doubled, k halved, the defaults.
 TuningResult example() {
     const MethodLabel base{"photon_mapper", {}}, path{"path", {}};
-    TuningResult result{.scene = "box", .target = "10%", .target_error = 0.1, .minutes = 1};
+    TuningResult result{.scene = "box", .target = "10%", .minutes = 1};
     result.methods = {{{base, tuning_axes(base, {})}}, {{path, {}}, true}};
     const Setting defaults = result.methods[0].space.defaults();
     Setting few = defaults, more = defaults, half = defaults;

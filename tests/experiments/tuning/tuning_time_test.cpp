@@ -30,21 +30,15 @@ TEST(SharedSeconds, EndInTime) {
     EXPECT_GT(shared_seconds({3}, 0, 1).front(), 0) << "one pass always completes";
 }
 
-// 30 s even out to 10 s each, less than any of them needs.
-TEST(PromisingSeconds, LetTwoReachWhatFewerWouldReach) {
-    EXPECT_THAT(promising_seconds({40, 60, INFINITY}, {20, 30, INFINITY}, 30, 0), ElementsAre(24, 3, 3));
-    EXPECT_THAT(promising_seconds({16, 60, INFINITY}, {8, 30, INFINITY}, 30, 0), ElementsAre(10, 10, 10))
-        << "it reaches it";
-    EXPECT_THAT(promising_seconds({60, 61, INFINITY}, {30, 31, INFINITY}, 30, 0), ElementsAre(10, 10, 10))
-        << "nothing helps";
-    EXPECT_LE(sum(promising_seconds({40, 60, INFINITY}, {20, 30, INFINITY}, 30, 1)) + 3, 30 + 1e-9);
-    // The first one seems to need a second, but by a law that may end above the target.
-    EXPECT_THAT(promising_seconds({2, 40, INFINITY}, {INFINITY, 20, INFINITY}, 30, 0), ElementsAre(2, 24, 4));
-    EXPECT_THAT(promising_seconds({2, 40, INFINITY}, {1, 20, INFINITY}, 30, 0),
-                ElementsAre(2, testing::DoubleNear(22.4, 1e-9), testing::DoubleNear(5.6, 1e-9)))
-        << "the first one is not trusted alone";
-    EXPECT_THAT(promising_seconds({40, 10}, {20, INFINITY}, 10, 0), ElementsAre(5, 5))
-        << "no time that is known suffices";
+// 30 s even out to 10 s each; a run needs half of what it wants.
+TEST(SharedSeconds, LetRunsReachWhatTheyWouldNotInEvenShares) {
+    EXPECT_THAT(shared_seconds({40, 60, INFINITY}, 30, 0), ElementsAre(24, 3, 3));
+    EXPECT_THAT(shared_seconds({16, 60, INFINITY}, 30, 0), ElementsAre(10, 10, 10)) << "it reaches it";
+    EXPECT_THAT(shared_seconds({60, 61, INFINITY}, 30, 0), ElementsAre(10, 10, 10)) << "nothing helps";
+    EXPECT_LE(sum(shared_seconds({40, 60, INFINITY}, 30, 1)) + 3, 30 + 1e-9);
+    EXPECT_THAT(shared_seconds({2, 40, INFINITY}, 30, 0),
+                ElementsAre(2, testing::DoubleNear(22.4, 1e-9), testing::DoubleNear(5.6, 1e-9)));
+    EXPECT_THAT(shared_seconds({40, 10}, 10, 0), ElementsAre(5, 5)) << "no time that is known suffices";
 }
 
 /// rel_mse = floor + 1 / (seconds - 0.5), after 1, 2, 4, ... passes of 1 s each.

@@ -40,7 +40,7 @@ struct PatchedScene : ScenePatches {
     PatchedScene(const std::string& xml, double size, double error = 0, bool closed = true)
         : ScenePatches(xml, size),
           light(patch_light(mesh, 16, 1, rays)),
-          links(link_patches(mesh, light, {error, 1}, rays)),
+          links(link_patches(mesh, light, error, 1, rays)),
           system(mesh, light, links, closed) {}
 };
 

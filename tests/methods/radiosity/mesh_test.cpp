@@ -212,7 +212,7 @@ TEST(PatchCorners, ShowALinearFieldAndKeepItsMean) {
             truth += leaf.area * field(leaf.center);
         }
         for (std::size_t i = 0; i < values.size(); ++i)
-            worst = std::max(worst, std::abs(values[i][0] - field(patches.corners.place(i).cast<double>())));
+            worst = std::max(worst, std::abs(values[i][0] - field(patches.corners.places()[i].cast<double>())));
         EXPECT_NEAR(mean / truth, 1, 1e-3);
         EXPECT_LT(worst, 0.25 * 0.3 * std::hypot(0.3, 0.2)) << "a quarter of the change over a patch, at an edge";
     }
