@@ -50,7 +50,9 @@ void allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, cons
     const double least = std::min(std::abs(plain.excess.value), std::abs(footing->excess.value));
     widen(plain.excess, footing->excess);
     const bool is_less = plain.verdict == FootingVerdict::differs && least * plain.unit < unmet_energy;
-    if (footing->verdict != plain.verdict || is_less) plain.verdict = FootingVerdict::unresolved;
+    if (footing->verdict == plain.verdict && !is_less) return;
+    plain.verdict = FootingVerdict::unresolved;
+    plain.misses_light = true;
 }
 
 }  // namespace gib

@@ -25,7 +25,8 @@ std::string busy_sign(const Analysis& analysis, const std::string& method, const
 /// for a pass, and the command that measures them again (`run_command` is empty for a tuning). Empty if there are none.
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene, const std::string& run_command);
 
-/// A warning for each method with layers that differ from the reference; it names method and layers.
+/// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
+/// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.
 std::vector<Warning> footing_warnings(const Analysis& analysis);
 
 }  // namespace gib

@@ -77,6 +77,8 @@ std::string name_of(FootingVerdict verdict) {
     return verdict == FootingVerdict::agrees ? "agrees" : verdict == FootingVerdict::differs ? "differs" : "unresolved";
 }
 
+Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }
+
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total) {
     const SampleMean truth = reference_energy(reference);

@@ -33,6 +33,11 @@ struct Footing {
     /// there is a 99 % interval, over the seeds and the reference's groups (half_width()).
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::unresolved;
+    bool misses_light = false;  ///< light that no image has met decides its verdict (analysis/unmet_light.h)
+
+    /// Compares two methods of one scene with each other, where the reference is too noisy to judge them. The excess
+    /// is (energy - other.energy) / unit.
+    Footing against(const Footing& other) const;
 };
 
 /// Compares `replicates`, images of one component from independent seeds, with the same component `reference`;
