@@ -161,7 +161,7 @@ struct MethodDescription {
     /// False if references made of all unbiased methods leave it out. Their shares of the work follow from the variance
     /// that a short pilot shows, which says little where rare starts decide.
     bool makes_references = true;
-    /// Time of a ray or camera sample, with all that belongs to it, over that of `path`: the mean of several scenes, rounded.
+    /// Time of a ray or camera sample, with all that belongs to it, over that of `path`: the median of five scenes, rounded.
     /// References share their work by it.
     double ray_cost = 1;
     bool stores_light = false;  ///< its runs have a stored_light() of their own

@@ -85,7 +85,7 @@ MethodDescription describe_bidirectional() {
                 shared_paths_of(values),
             });
         },
-        .ray_cost = 1.4,
+        .ray_cost = 1.6,
     };
 }
 

@@ -145,7 +145,7 @@ MethodDescription describe_light_tracer() {
             return std::make_unique<LightTracer>(point_set_of(values), guiding_of(values),
                                                  max_edges_of(values, defaults));
         },
-        .ray_cost = 1.5,
+        .ray_cost = 1.7,
     };
 }
 

@@ -130,7 +130,7 @@ MethodDescription describe_vcm() {
         .unbiased = false,
         .create = create_vcm,
         .remainder = {"techniques=remainder", "bidirectional"},
-        .ray_cost = 1.5,
+        .ray_cost = 1.7,
     };
 }
 
