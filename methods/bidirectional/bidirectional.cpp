@@ -7,8 +7,8 @@
 // a light's walk: s = 0, the camera's walk finds the light; s = 1, a point of a light is sampled; s = k, the light's
 // walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
 // Parameters: sampler = sobol (default) | independent; shared_paths = 16 (default) | 1 | 4 | 64 | 256 light paths that a path
-// from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h); hits, light_sampling, connections, camera = on (default) | off,
-// which turn techniques off: the others take over what they can make, the rest of the light is missing; techniques = off
+// from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h); hits,
+// light_sampling, connections, camera = on (default) | off, which turn techniques off: the others take over what they can make, the rest of the light is missing; techniques = off
 // (default) | on, which keeps an image of each technique (parts/vertices/technique_pyramid.h); spp and max_depth as for
 // all methods.
 // Bias: none, for paths that it can sample. It cannot sample the light of point, spot and directional lights that

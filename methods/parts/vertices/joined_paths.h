@@ -22,8 +22,7 @@ struct JoinedPathsSettings {
     bool shows_techniques = false;
     std::optional<MergingSettings> merging = {};
     Guiding guiding = Guiding::off;
-    std::size_t shared_paths =
-        1;  ///< pixels of a group, whose first vertices may be connected with any of its light paths
+    std::size_t shared_paths = 1;  ///< pixels of a group, which share their light paths (shared_vertices.h)
 };
 
 /// The data of one pass, which the estimates of all pixels share.

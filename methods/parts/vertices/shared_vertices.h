@@ -60,8 +60,8 @@ public:
         const double all = sums_.back(), uniform = all > 0 ? 0.5 : 1;
         const double first = double{u.next()};
         for (int k = 0; k < picks; ++k) {
-            const double at =
-                (k + first) / picks;  // stratified: the vertices lie side by side, first uniformly, then by q
+            // Stratified: below `uniform` all vertices lie side by side, above it each takes what it has given.
+            const double at = (k + first) / picks;
             const std::size_t v = at < uniform ? static_cast<std::size_t>(at / uniform * static_cast<double>(count))
                                                : index_at((at - uniform) / (1 - uniform) * all);
             const double q = uniform / static_cast<double>(count) + (all > 0 ? (1 - uniform) * given_[v] / all : 0);
