@@ -17,8 +17,8 @@ void add_weighted(const Connection& path, PixelSample& sample) {
         if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
 }
 
-/// What the weights take the shared connections for: between the three that are made and as many as there are paths. 4 is as
-/// good in door-ajar as 16, and better in cornell-box, where few vertices are hidden.
+/// The weights take shared connections for this many samples, which lies between the three that are made and the number of paths.
+/// In door-ajar 4 is within a quarter of the best, 16; in cornell-box, where few vertices are hidden, 8 and 4 are best.
 constexpr double shared_samples = 4;
 
 class JoinedPathsRun final : public Run {
@@ -26,9 +26,7 @@ public:
     JoinedPathsRun(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
                    const ShownComponents& shown, std::uint64_t seed, StageTimes& stages)
         : scene_(scene),
-          seed_(seed),
           stages_(stages),
-          points_(settings.points),
           runs_(plan.runs(step_eye_paths)),
           paths_(scene, plan, stages,
                  find_guide(scene, settings.guiding, {settings.max_edges, false, true}, plan, seed, stages, rays_)),
@@ -76,7 +74,7 @@ public:
                     const auto places = tile.every(apart, group % apart, group / apart, scene_.sensor());
                     if (shares) estimate.start_group(rays, places);
                     for_each_pixel_of(
-                        rays, points_, seed_, pass, places.size(), [&](std::size_t i) { return places[i]; },
+                        rays, pass_.points, pass_.seed, pass, places.size(), [&](std::size_t i) { return places[i]; },
                         [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
                             add(pixel, estimate(rays, eye, sampler, pixel));
                         });
@@ -110,9 +108,7 @@ private:
     int height() const { return scene_.sensor().height(); }
 
     const Scene& scene_;
-    std::uint64_t seed_;
     StageTimes& stages_;
-    PointSet points_;
     bool runs_;
     std::uint64_t rays_ = 0;
     LightPaths paths_;

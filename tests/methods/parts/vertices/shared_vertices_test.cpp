@@ -11,8 +11,8 @@
 namespace gib::test::shared_vertices_test {
 namespace {
 
-/// What a connection makes: nothing for four of five pairs, as behind a door, and else a lognormal number. Vertices keep their
-/// factor for all walks, so that there is something to learn.
+/// A connection makes nothing for four of five pairs, as behind a door, and else a lognormal number. Vertices keep their factor
+/// for all walks, so that there is something to learn.
 struct Vertex {
     double factor;
 };
