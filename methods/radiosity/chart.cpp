@@ -8,6 +8,8 @@ namespace gib {
 namespace {
 
 constexpr std::uint32_t no_chart = ~0u;
+/// A point inside every chart.
+const Vec2d inside = Vec2d::Constant(0.25);
 constexpr double two_pi = 2 * std::numbers::pi;
 
 /// The largest distance of four points from a plane, as a share of their size, at which they are one quadrilateral.
@@ -142,7 +144,7 @@ std::uint32_t Charts::add(Chart chart) {
         outline[i] = {c[i].x(), c[i].y(), c[i].z()};
     }
     if (!(turn.norm() > least_shape * longest2) || !(longest2 > sqr(least_resolution * place))) return no_chart;
-    chart.reversed = turn.dot(surface_at(chart, Vec2d::Constant(0.25)).ng.cast<double>()) < 0;
+    chart.reversed = turn.dot(surface_at(chart, inside).ng.cast<double>()) < 0;
     std::sort(outline.begin(), outline.end());
     const auto number = static_cast<std::uint32_t>(charts_.size());
     const auto [twin, is_new] = known_.try_emplace(outline, number);
@@ -150,9 +152,8 @@ std::uint32_t Charts::add(Chart chart) {
         charts_.push_back(chart);
         return number;
     }
-    const Vec2d middle = Vec2d::Constant(0.25);
     const bool faces_the_same_way =
-        surface_at(chart, middle).ng.dot(surface_at(charts_[twin->second], middle).ng) > 0.f;
+        surface_at(chart, inside).ng.dot(surface_at(charts_[twin->second], inside).ng) > 0.f;
     return faces_the_same_way ? twin->second : no_chart;
 }
 

@@ -4,6 +4,7 @@
 #include "common/sampling/warp.h"
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/white_surface.h"
+#include "methods/radiosity/contacts.h"
 
 #include <algorithm>
 #include <atomic>
@@ -42,99 +43,17 @@ Colord reflectance_at(const SurfaceHit& hit) {
     return static_cast<double>(there) * sum;
 }
 
-/// The distance of surfaces that touch over the scene's diagonal, and that at which rays tell which one is in front.
-constexpr double touching = 1e-5, distinct = 1e-6;
-/// The least cosine between the normals of surfaces that count as parallel.
-constexpr double parallel = 0.999;
-
-bool contains(const PatchPolygon& polygon, const Vec3d& p) {
-    const auto corners = polygon.corners();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vec3d& next = corners[i + 1 == corners.size() ? 0 : i + 1];
-        if (!((next - corners[i]).cross(p - corners[i]).dot(polygon.normal) > 0)) return false;
-    }
-    return true;
-}
-
-/// Surfaces that touch. Where surfaces lie in one plane and face the same way, light meets only one of them at each point,
-/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays tell which it is. Where the
-/// fronts of two surfaces lie on each other, as the bottom of a block does on a floor, no light gets between them.
-class Contacts {
-public:
-    /// Not 0, so that light is known also at points that are covered. They hardly count for others.
-    static constexpr double covered = 1e-3;
-
-    /// `mesh` must outlive this.
-    explicit Contacts(const PatchMesh& mesh)
-        : mesh_(mesh),
-          reach_(touching * static_cast<double>(mesh.charts().scene().diagonal())),
-          distinct_(distinct * static_cast<double>(mesh.charts().scene().diagonal())),
-          neighbours_(mesh.sides().size()) {
-        for (std::uint32_t side = 0; side < neighbours_.size(); ++side)
-            find(side);
-    }
-
-    /// The largest distance of surfaces that touch [scene units].
-    double reach() const { return reach_; }
-    /// The share of a point p of a side at which light arrives: 1 where nothing touches it, `covered` under a front.
-    double share(std::uint32_t side, const Vec3d& p) const {
-        int surfaces = 1;
-        const Vec3d& outwards = mesh_.nodes()[mesh_.sides()[side].root].polygon.normal;
-        for (const Neighbour& other : neighbours_[side]) {
-            const Vec3d& normal = other.polygon->normal;
-            const double below =
-                normal.dot(other.polygon->vertices[0] - p) / normal.dot(outwards);  // p is, if positive
-            if (std::abs(below) > reach_ || below < -distinct_ || !contains(*other.polygon, p)) continue;
-            if (below > distinct_) return covered;
-            if (other.fronts_agree) ++surfaces;
-            else if (!mesh_.sides()[side].back) return covered;
-        }
-        return 1.0 / surfaces;
-    }
-
-private:
-    struct Neighbour {
-        const PatchPolygon* polygon;
-        bool fronts_agree;  ///< the fronts of both charts face the same way
-    };
-
-    void find(std::uint32_t index) {
-        const PatchSide& side = mesh_.sides()[index];
-        const PatchPolygon& polygon = mesh_.nodes()[side.root].polygon;
-        std::vector<std::uint32_t> charts = {side.chart}, open = {0};
-        while (!open.empty()) {
-            const PatchNode& node = mesh_.nodes()[open.back()];
-            open.pop_back();
-            if ((node.center - side.center).norm() > node.radius + side.radius + reach_) continue;
-            if (node.is_cluster()) {
-                open.insert(open.end(), {node.child, node.child + 1});
-                continue;
-            }
-            const PatchSide& other = mesh_.sides()[node.side];
-            const double cosine = node.polygon.normal.dot(polygon.normal);
-            if (std::abs(cosine) < parallel || std::ranges::find(charts, other.chart) != charts.end()) continue;
-            charts.push_back(other.chart);  // once, for both of its sides
-            neighbours_[index].push_back({&node.polygon, (cosine > 0) == (side.back == other.back)});
-        }
-    }
-
-    const PatchMesh& mesh_;
-    double reach_, distinct_;
-    std::vector<std::vector<Neighbour>> neighbours_;  ///< parallel surfaces near each side
-};
-
 /// Calls use(queries, n) for every leaf n; returns the number of rays.
 template <typename Use>
-std::uint64_t over_leaves(const PatchMesh& mesh, std::string_view stage, const StageTimes* stages, Use&& use) {
+std::uint64_t over_leaves(const PatchMesh& mesh, std::string_view stage, const StageTimes& stages, Use&& use) {
     std::atomic<std::uint64_t> traced = 0;
-    std::optional<StageProgress> progress;
-    if (stages) progress.emplace(*stages, stage, mesh.leaves().size());
+    StageProgress progress(stages, stage, mesh.leaves().size());
     parallel_blocks(mesh.leaves().size(), leaves_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         RayQueries queries(mesh.charts().scene());
         for (std::size_t n = begin; n < end; ++n)
             use(queries, n);
         traced += queries.count();
-        if (progress) progress->add(end - begin);
+        progress.add(end - begin);
     });
     return traced;
 }
@@ -162,7 +81,7 @@ public:
             SurfaceHit hit = mesh_.point_on(leaf, sampler.get_2d(on_patch).cast<double>());
             PatchLight::Point& point = light_.points[first + k];
             point.share = static_cast<float>(contacts_.share(leaf.side, hit.p.cast<double>()));
-            // Above all surfaces that touch.
+            // Light arrives above all surfaces that touch.
             if (point.share < 1.f) hit.p += 2 * static_cast<float>(contacts_.reach()) * hit.ng;
             static_cast<SurfacePoint&>(point) = hit;
             irradiance_[first + k] = irradiance_at(queries, hit, sampler);
@@ -183,7 +102,7 @@ public:
             !lit.empty() || std::ranges::any_of(dark, [&](std::uint32_t k) { return sees_light(queries, k, 1); });
         if (dark.empty() || !in_light_[i] || mesh_.chart_of(mesh_.nodes()[i]).curved) return;
         if (lit.empty()) {
-            // Whether something stands on the patch or lies close above it.
+            // Nothing stands on the patch or lies close above it: it is dark for another reason.
             if (std::ranges::all_of(dark, [&](std::uint32_t k) {
                     return is_free(queries, dark.front(), k) && !lies_under_something(queries, k);
                 }))
@@ -272,7 +191,7 @@ private:
 
 /// Estimates the radiosity that the exchange of light will lead to: light that is reflected more than once is spread
 /// evenly over all patches that see directly lit ones. Source: the ambient term of Cohen, Chen, Wallace and Greenberg 1988.
-void expect(const PatchMesh& mesh, const std::vector<char>& in_light, PatchLight& light) {
+void estimate_ambient(const PatchMesh& mesh, const std::vector<char>& in_light, PatchLight& light) {
     const auto& nodes = mesh.nodes();
     Colord area = Colord::Zero(), absorbed = Colord::Zero(), received = Colord::Zero(), reflected = Colord::Zero();
     for (const std::uint32_t i : mesh.leaves()) {
@@ -315,12 +234,6 @@ std::uint32_t chosen_leaf(const PatchMesh& mesh, std::uint32_t node, double& u, 
 
 }  // namespace
 
-Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
-    const Vec3 wo_local = hit.shading.to_local(wo);
-    if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(wo_local.z())) return *ideal;
-    return hit.bsdf->coefficients_local(wo_local).diffuse;
-}
-
 const PatchLight::Point& PatchLight::open_point(const PatchMesh& mesh, std::uint32_t node, double u) const {
     const std::uint32_t leaf = chosen_leaf(mesh, node, u, [&](std::uint32_t i) { return area[i]; });
     const auto [first, count] = points_of[leaf];
@@ -333,7 +246,7 @@ const PatchLight::Point& PatchLight::any_point(const PatchMesh& mesh, std::uint3
 }
 
 PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
-                       const StageTimes* stages) {
+                       const StageTimes& stages) {
     PatchLight light;
     light.irradiance.assign(mesh.nodes().size(), Colord::Zero());
     light.reflectance.assign(mesh.nodes().size(), Colord::Zero());
@@ -347,7 +260,7 @@ PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64
     rays += over_leaves(mesh, "covered points", stages,
                         [&](RayQueries& queries, std::size_t n) { sampling.leave_out_covered(queries, n); });
     sampling.average();
-    expect(mesh, sampling.in_light(), light);
+    estimate_ambient(mesh, sampling.in_light(), light);
     return light;
 }
 

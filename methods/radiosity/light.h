@@ -38,14 +38,10 @@ struct PatchLight {
     const Point& any_point(const PatchMesh& mesh, std::uint32_t node, double u) const;
 };
 
-/// Reflectance of the diffuse lobes at a hit seen from wo, in [0, 1]; 0 where there are none. If the diffuse lobes
-/// are not ideal, it is the share of the light arriving from wo that they reflect.
-Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo);
-
 /// Direct irradiance and mean reflectance of all leaves. Irradiance is estimated for each patch by `samples` shadow
 /// rays and as many rays sampled by the bsdf, combined by the power heuristic (Veach 1997, chapter 9); the mean
 /// reflectance of textured patches is taken over as many points. Adds the rays traced to `rays`.
 PatchLight patch_light(const PatchMesh& mesh, std::uint32_t samples, std::uint64_t seed, std::uint64_t& rays,
-                       const StageTimes* stages = nullptr);
+                       const StageTimes& stages);
 
 }  // namespace gib

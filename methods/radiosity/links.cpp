@@ -39,8 +39,8 @@ double largest_cosine(const PatchNode& node, const Vec3d& way, double distance, 
     return node.is_cluster() ? 1 : std::clamp((node.polygon.normal.dot(way) + reach) / distance, 0.0, 1.0);
 }
 
-/// The light between two points in proportion to other points: the form factor from a point to a disc of the area
-/// `area`, that of the smaller patch [scene units^2].
+/// The weight of a pair of points, cos cos' / (pi r^2 + area) [1/scene units^2]: the form factor from a point to a disc of `area`,
+/// that of the smaller patch, over this area. It stays finite where the points are near.
 double light_between(const SurfacePoint& from, const SurfacePoint& to, double area) {
     const Vec3d way = (to.p - from.p).cast<double>();
     const double r2 = way.squaredNorm();
@@ -86,7 +86,8 @@ public:
         if (!faces(p, q) || !faces(q, p)) return;
         const double distance = (q.center - p.center).norm(), reach = p.radius + q.radius;
         const bool leaves = p.is_leaf() && q.is_leaf();
-        const bool too_near = (p.is_cluster() || q.is_cluster()) && reach > cluster_nearness * distance;
+        const bool has_cluster = p.is_cluster() || q.is_cluster();
+        const bool too_near = has_cluster && reach > cluster_nearness * distance;
         if (!leaves && too_near) return split(pair, pairs);
         const double carried = std::max(irradiance_bound(pair.p, pair.q), irradiance_bound(pair.q, pair.p));
         // The form factor changes over the pair by about its size over its distance.
@@ -95,12 +96,13 @@ public:
         const auto visible = visibility(rays, pair, leaves ? few_rays : more_rays, shadow_matters);
         if (!visible) return split(pair, pairs);
         if (*visible == 0) return;
-        const double passing = *visible * open_share(pair);
-        const double areas = light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
-        const bool cluster = p.is_cluster() || q.is_cluster();
-        const double exchange = unoccluded(p, q) * passing / (cluster ? areas : 1);
-        if (!(exchange > 0)) return;
-        links.push_back({pair.p, pair.q, static_cast<float>(exchange), static_cast<float>(passing / areas)});
+        const auto add = [&](double exchange, double visible_share) {
+            if (exchange > 0)
+                links.push_back({pair.p, pair.q, static_cast<float>(exchange), static_cast<float>(visible_share)});
+        };
+        if (has_cluster) return add(*visible / (std::numbers::pi * sqr(distance)), *visible);
+        const double open = *visible * open_share(pair);
+        add(open * p.area * polygon_form_factor(p.polygon, q.polygon), open / open_areas(pair));
     }
 
 private:
@@ -153,12 +155,15 @@ private:
         return least == 1 ? 1 : passed / total;
     }
 
-    /// The share of the exchange without obstacles that lies between the areas to which light gets. Links with clusters
-    /// are between these areas anyhow.
+    /// The share of pairs of points of two patches that lie where light gets.
+    double open_areas(const Pair& pair) const {
+        return light_.area[pair.p] / nodes_[pair.p].area * light_.area[pair.q] / nodes_[pair.q].area;
+    }
+
+    /// The share of the exchange of two patches without obstacles that lies between the areas to which light gets.
     double open_share(const Pair& pair) const {
         const PatchNode& p = nodes_[pair.p];
         const PatchNode& q = nodes_[pair.q];
-        if (p.is_cluster() || q.is_cluster()) return light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
         if (light_.area[pair.p] > 0.999 * p.area && light_.area[pair.q] > 0.999 * q.area) return 1;
         constexpr std::uint32_t pairs = 32;
         const double area = std::min(p.area, q.area);
@@ -171,12 +176,7 @@ private:
             total += weight;
             open += weight * static_cast<double>(from.share * to.share);
         }
-        return total > 0 ? open / total : light_.area[pair.p] / p.area * light_.area[pair.q] / q.area;
-    }
-
-    double unoccluded(const PatchNode& p, const PatchNode& q) const {
-        if (p.is_cluster() || q.is_cluster()) return 1 / (std::numbers::pi * (q.center - p.center).squaredNorm());
-        return p.area * polygon_form_factor(p.polygon, q.polygon);
+        return total > 0 ? open / total : open_areas(pair);
     }
 
     const PatchMesh& mesh_;
@@ -189,7 +189,7 @@ private:
 }  // namespace
 
 std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, double error, std::uint64_t seed,
-                                    std::uint64_t& rays, const StageTimes* stages) {
+                                    std::uint64_t& rays, const StageTimes& stages) {
     const Refinement refinement(mesh, light, error, seed);
     std::vector<PatchLink> links;
     std::vector<Pair> pairs;
@@ -201,14 +201,13 @@ std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& lig
     std::atomic<std::uint64_t> traced = 0;
     while (!pairs.empty()) {
         std::vector<Block> blocks((pairs.size() + pairs_per_block - 1) / pairs_per_block);
-        std::optional<StageProgress> progress;
-        if (stages) progress.emplace(*stages, "links", pairs.size());
+        StageProgress progress(stages, "links", pairs.size());
         parallel_blocks(pairs.size(), pairs_per_block, [&](std::size_t begin, std::size_t end, std::size_t b) {
             RayQueries queries(mesh.charts().scene());
             for (std::size_t i = begin; i < end; ++i)
                 refinement.refine(queries, pairs[i], blocks[b].links, blocks[b].pairs);
             traced += queries.count();
-            if (progress) progress->add(end - begin);
+            progress.add(end - begin);
         });
         for (const Block& block : blocks)
             links.insert(links.end(), block.links.begin(), block.links.end());

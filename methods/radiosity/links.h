@@ -17,13 +17,13 @@ namespace gib {
 struct PatchLink {
     std::uint32_t p, q;  ///< nodes
     float exchange;      ///< G [scene units^2]; with a cluster V / (pi r^2) [scene units^-2]
-    float visible;       ///< V
+    float visible;       ///< V; between patches, of the light between the parts of their areas to which light gets
 };
 
 /// Finds the links that replace those between all pairs of leaves, by refinement from the top of the mesh's tree.
 /// `error`: that of a link over the mean irradiance; 0 links every two leaves: the matrix of Goral et al. 1984. Adds the rays traced
 /// to `rays`.
 std::vector<PatchLink> link_patches(const PatchMesh& mesh, const PatchLight& light, double error, std::uint64_t seed,
-                                    std::uint64_t& rays, const StageTimes* stages = nullptr);
+                                    std::uint64_t& rays, const StageTimes& stages);
 
 }  // namespace gib

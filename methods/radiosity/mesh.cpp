@@ -1,6 +1,9 @@
 #include "methods/radiosity/mesh.h"
 
+#include "common/sampling/warp.h"
+
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace gib {
@@ -15,6 +18,9 @@ Positions positions(const Chart& chart, const std::array<Vec2d, 4>& corners) {
         p[i] = chart.position(corners[i]);
     return p;
 }
+
+/// How often a length is halved until it is at most `allowed`.
+double halvings(double length, double allowed) { return std::ceil(std::log2(std::max(length / allowed, 1.0))); }
 
 /// The number i of the edge i -> i + 1 at which a triangle is halved: the longest in space, the first of equal ones.
 std::size_t longest_edge(const Positions& p) {
@@ -41,6 +47,10 @@ double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
     return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
+/// The longest edge of a patch with four corners. A piece of a curved shape may be a little longer than the parts into which the
+/// shape was divided.
+double most_length(const Chart& chart, double size) { return size * (chart.curved ? 1.5 : 1.0); }
+
 /// Whether the back or the front of a chart can reflect diffusely.
 bool reflects(const Charts& charts, const Chart& chart, bool back) {
     const Material& material = charts.scene().material_of_shape(chart.shape);
@@ -55,9 +65,14 @@ bool reflects(const Charts& charts, const Chart& chart, bool back) {
 double PatchMesh::estimated_patches(const Charts& charts, double size) {
     double patches = 0;
     for (std::size_t i = 0; i < charts.size(); ++i) {
-        const Vec2d pieces = (charts[i].lengths() / size).cwiseMax(1.0);
-        const int sides = (reflects(charts, charts[i], false) ? 1 : 0) + (reflects(charts, charts[i], true) ? 1 : 0);
-        patches += sides * pieces.prod();
+        const Chart& chart = charts[i];
+        const int sides = (reflects(charts, chart, false) ? 1 : 0) + (reflects(charts, chart, true) ? 1 : 0);
+        const Vec2d lengths = chart.lengths();
+        // Halving twice halves a triangle's edges.
+        const double times = chart.triangle ? halvings(sqr(lengths.maxCoeff() / size), 1)
+                                            : halvings(lengths.x(), most_length(chart, size)) +
+                                                  halvings(lengths.y(), most_length(chart, size));
+        patches += sides * std::exp2(times);
     }
     return patches;
 }
@@ -160,8 +175,7 @@ bool PatchMesh::is_fine_enough(const PatchNode& node) const {
         const std::size_t edge = longest_edge(p);
         return (p[(edge + 1) % 3] - p[edge]).norm() <= size_;
     }
-    // A piece of a curved shape may be a little longer than the parts into which the shape was divided.
-    return lengths_of(node).maxCoeff() <= size_ * (chart.curved ? 1.5 : 1.0);
+    return lengths_of(node).maxCoeff() <= most_length(chart, size_);
 }
 
 /// A triangle is halved at its longest edge, so that its halves are no needles; a quadrilateral across its longer
@@ -205,12 +219,13 @@ SurfaceHit PatchMesh::point_on(const PatchNode& node, const Vec2d& s) const {
     const Chart& chart = charts_[side.chart];
     const Vec2d a = node.corners[0];
     if (!chart.triangle) {
-        // Between the widths of a trapezoid, the density of v is linear.
-        const Vec2d extent = node.corners[2] - a;
+        // The area that du dv covers in a plane quadrilateral is linear in u and in v.
         const Positions p = positions(chart, node.corners);
-        const double low = (p[1] - p[0]).norm(), high = (p[2] - p[3]).norm();
-        const double v = s.y() * (low + high) / (low + std::sqrt(std::lerp(sqr(low), sqr(high), s.y())));
-        return point_of_side(side, a + extent.cwiseProduct(Vec2d(s.x(), std::min(v, 1.0))));
+        const auto area = [&](std::size_t i) { return (p[(i + 1) % 4] - p[i]).cross(p[(i + 3) % 4] - p[i]).norm(); };
+        const double v = sample_linear(s.y(), area(0) + area(1), area(3) + area(2));
+        const double u = sample_linear(s.x(), std::lerp(area(0), area(3), v), std::lerp(area(1), area(2), v));
+        const Vec2d extent = node.corners[2] - a;
+        return point_of_side(side, a + extent.cwiseProduct(Vec2d(u, v)));
     }
     const Vec2 b = square_to_triangle(s.cast<float>());
     return point_of_side(side, a + static_cast<double>(b.x()) * (node.corners[1] - a) +

@@ -53,7 +53,7 @@ public:
     const Chart& chart_of(const PatchNode& node) const { return charts_[sides_[node.side].chart]; }
 
     /// The point of the node's surface at s in the unit square, with normals on the node's side. Uniform s give
-    /// uniform points.
+    /// uniform points of the flat patch.
     SurfaceHit point_on(const PatchNode& node, const Vec2d& s) const;
     /// The point at uv of the side's chart, with normals on that side.
     SurfaceHit point_of_side(const PatchSide& side, const Vec2d& uv) const;

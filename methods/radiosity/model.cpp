@@ -45,24 +45,20 @@ void require_memory_for(const Charts& charts, double size, RadiositySolver solve
 
 RadiosityModel::RadiosityModel(const Scene& scene, const RadiositySettings& settings, std::uint64_t seed,
                                StageTimes& stages)
-    : settings_(settings),
-      seed_(seed),
-      stages_(stages),
-      charts_(scene, settings.patch * static_cast<double>(scene.diagonal())),
-      mesh_([&] {
+    : settings_(settings), seed_(seed), stages_(stages), charts_(scene, settings.size(scene)), mesh_([&] {
           const auto timer = stages.time("patches");
-          const double size = settings.patch * static_cast<double>(scene.diagonal());
+          const double size = settings.size(scene);
           require_memory_for(charts_, size, settings.solver);
           return PatchMesh(charts_, size);
       }()) {
     {
         const auto timer = stages.time("direct light");
-        light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, &stages);
+        light_ = patch_light(mesh_, direct_samples, combine_keys(seed, light_key), rays_, stages);
     }
     {
         const auto timer = stages.time("links");
         const double error = settings.solver == RadiositySolver::direct ? 0 : settings.links;
-        const auto links = link_patches(mesh_, light_, error, combine_keys(seed, link_key), rays_, &stages);
+        const auto links = link_patches(mesh_, light_, error, combine_keys(seed, link_key), rays_, stages);
         link_count_ = links.size();
         system_ = std::make_unique<RadiositySystem>(mesh_, light_, links, is_closed());
     }
@@ -89,7 +85,7 @@ bool RadiosityModel::is_closed() {
             if (!hit || !mesh_.locate(*hit, -w)) closed = false;
         }
     });
-    rays_ += closure_rays;
+    rays_ += closure_rays;  // all, so that the count does not depend on when other threads stop
     return closed;
 }
 

@@ -15,6 +15,9 @@ struct RadiositySettings {
     double links;   ///< allowed error of a link, as a share of the mean irradiance
     int gather;     ///< final gather rays; 0: none
     int max_edges;  ///< number of edges of the longest path
+
+    /// The longest edge of a patch [scene units].
+    double size(const Scene& scene) const { return patch * static_cast<double>(scene.diagonal()); }
 };
 
 class RadiosityModel {

@@ -113,8 +113,7 @@ std::unique_ptr<Method> create_radiosity(const ParameterValues& values, const Me
     s.patch = values.number("patch");
     s.solver = chosen<RadiositySolver>(radiosity_solver_names, values.choice("solver"));
     s.links = values.number("links");
-    if (values.given("links") && s.solver == RadiositySolver::direct)
-        throw InputError("links says how far solver=hierarchical refines; solver=direct links every two patches");
+    if (s.solver == RadiositySolver::direct) values.refuse({"links"}, "solver=direct");
     s.gather = static_cast<int>(values.integer("gather"));
     s.max_edges = max_edges_of(values, defaults);
     if (values.text("filter") != "none")

@@ -83,26 +83,26 @@ Colord RadiositySolution::product(const PatchColors& a, const PatchColors& b) co
 void RadiositySolution::iterate() {
     constexpr int steps = 8;
     if (sweeps_ == 1) {
-        residuals_ = reflected(X_);  // of X = B1
-        directions_ = residuals_;
+        r_ = reflected(X_);  // of X = B1
+        p_ = r_;
     }
-    for (int i = 0; i < steps && residual_ > 1e-12; ++i) {  // rounding
-        const Colord before = product(residuals_, residuals_);
-        const PatchColors reflections = reflected(directions_);
-        PatchColors kept = directions_;
+    for (int i = 0; i < steps && residual_ > 1e-12; ++i) {  // below that it is rounding
+        const Colord rr = product(r_, r_);
+        PatchColors Ap = p_;  // A = I - rho K
+        const PatchColors rho_K_p = reflected(p_);
         for (const std::uint32_t leaf : system_.leaves())
-            kept[leaf] -= reflections[leaf];
-        const Colord energy = product(directions_, kept);
-        if ((before > 0 && energy <= 0).any()) refuse_to_reflect_for_ever();
-        const Colord step = quotient(before, energy);
+            Ap[leaf] -= rho_K_p[leaf];
+        const Colord pAp = product(p_, Ap);
+        if ((rr > 0 && pAp <= 0).any()) refuse_to_reflect_for_ever();
+        const Colord alpha = quotient(rr, pAp);
         for (const std::uint32_t leaf : system_.leaves()) {
-            X_[leaf] += step * directions_[leaf];
-            residuals_[leaf] -= step * kept[leaf];
+            X_[leaf] += alpha * p_[leaf];
+            r_[leaf] -= alpha * Ap[leaf];
         }
-        const Colord ratio = quotient(product(residuals_, residuals_), before);
+        const Colord beta = quotient(product(r_, r_), rr);
         for (const std::uint32_t leaf : system_.leaves())
-            directions_[leaf] = residuals_[leaf] + ratio * directions_[leaf];
-        residual_ = share_of_first(residuals_);
+            p_[leaf] = r_[leaf] + beta * p_[leaf];
+        residual_ = share_of_first(r_);
     }
 }
 

@@ -27,6 +27,8 @@ inline constexpr double least_absorption = 1e-6;
 
 class RadiositySolution {
 public:
+    static constexpr double small_residual = 1e-4;
+
     /// `system` must outlive this. With `reflections`, only light of at most so many reflections is summed, whatever
     /// the solver. Throws InputError if light is reflected for ever, because less than least_absorption is absorbed: at
     /// once for a closed scene, else in the sweep that finds it.
@@ -41,7 +43,7 @@ public:
     /// Power of the last reflection that was added, or of B1 + rho K X - X, over that of B1; the largest of the
     /// channels. 0 once all reflections that the limit allows are summed.
     double residual() const { return residual_; }
-    bool has_converged() const { return residual_ <= 1e-4; }
+    bool has_converged() const { return residual_ <= small_residual; }
     int sweeps() const { return sweeps_; }
 
 private:
@@ -59,8 +61,8 @@ private:
     RadiositySolver solver_;
     std::optional<int> reflections_;
     PatchColors X_;
-    PatchColors term_;                    ///< (rho K)^(n - 1) B1
-    PatchColors residuals_, directions_;  ///< of conjugate gradients
+    PatchColors term_;   ///< (rho K)^(n - 1) B1
+    PatchColors r_, p_;  ///< residual and direction of conjugate gradients
     Colord first_power_;
     double residual_ = 0;
     int summed_ = 1, sweeps_ = 0;

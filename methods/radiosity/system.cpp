@@ -25,6 +25,7 @@ RadiositySystem::RadiositySystem(const PatchMesh& mesh, const PatchLight& light,
       first_link_(mesh.nodes().size() + 1, 0),
       scales_(mesh.nodes().size(), 1.0) {
     sort_links(links);
+    has_clusters_ = std::ranges::any_of(links, [&](const PatchLink& link) { return has_cluster(link.p, link.q); });
     const PatchColors sums = irradiance(ones());
     double whole = 0;
     for (const std::uint32_t leaf : leaves()) {
@@ -162,8 +163,9 @@ PatchColors RadiositySystem::gathered_at_centres(PatchColors X) const {
     return E;
 }
 
-/// By entry of `links_`: what the other end sends if one of the two is a cluster [W]; else 0.
+/// By entry of `links_`: what the other end sends if one of the two is a cluster [W]; else 0. Empty if none is.
 PatchColors RadiositySystem::sent_over_clusters(const PatchColors& X) const {
+    if (!has_clusters_) return {};
     PatchColors sent(links_.size(), Colord::Zero());
     parallel_blocks(node_count(), nodes_per_block, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)

@@ -76,6 +76,7 @@ private:
     bool is_closed_;
     std::vector<std::size_t> first_link_;  ///< by node
     std::vector<Link> links_;
+    bool has_clusters_ = false;   ///< whether some link has one
     std::vector<double> scales_;  ///< by node
     Closure closure_;
 };

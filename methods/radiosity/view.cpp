@@ -2,11 +2,18 @@
 
 #include "methods/parts/gathering/final_gather.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/radiosity/light.h"
 
 namespace gib {
 
 namespace {
+
+/// Reflectance of the diffuse lobes at a hit seen from wo, in [0, 1]; 0 where there are none. If the diffuse lobes
+/// are not ideal, it is the share of the light arriving from wo that they reflect.
+Color diffuse_reflectance(const SurfaceHit& hit, const Vec3& wo) {
+    const Vec3 wo_local = hit.shading.to_local(wo);
+    if (const auto ideal = hit.bsdf->ideal_diffuse_reflectance(wo_local.z())) return *ideal;
+    return hit.bsdf->coefficients_local(wo_local).diffuse;
+}
 
 /// Sums the light that patches reflect along a final gather ray: L = rho E / pi with the E of the patch.
 class GatherRayVisitor {

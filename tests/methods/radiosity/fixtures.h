@@ -32,6 +32,7 @@ struct ScenePatches {
 /// A scene with its patches, links and system.
 struct PatchedScene : ScenePatches {
     std::uint64_t rays = 0;
+    StageTimes stages;
     PatchLight light;
     std::vector<PatchLink> links;
     RadiositySystem system;
@@ -39,8 +40,8 @@ struct PatchedScene : ScenePatches {
     /// `error`: bound of the links' error, where 0 links all pairs of leaves.
     PatchedScene(const std::string& xml, double size, double error = 0, bool closed = true)
         : ScenePatches(xml, size),
-          light(patch_light(mesh, 16, 1, rays)),
-          links(link_patches(mesh, light, error, 1, rays)),
+          light(patch_light(mesh, 16, 1, rays, stages)),
+          links(link_patches(mesh, light, error, 1, rays, stages)),
           system(mesh, light, links, closed) {}
 };
 

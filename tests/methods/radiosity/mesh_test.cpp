@@ -46,9 +46,12 @@ std::vector<NamedShape> shapes() {
     // One quadrilateral of two triangles, which is no parallelogram.
     const std::string trapezoid =
         obj_shape("trapezoid.obj", "v -2 -1 0\nv 2 -1 0\nv 0.5 1 0\nv -0.5 1 0\nf 1 2 3\nf 1 3 4\n");
+    const std::string irregular =
+        obj_shape("irregular.obj", "v -2 -1 0\nv 2 -2 0\nv 1 1 0\nv -1 0 0\nf 1 2 3\nf 1 3 4\n");
     return {
         {"pyramid", pyramid, 16 * std::numbers::sqrt2, 4},
         {"trapezoid", trapezoid, 5, 1},
+        {"irregular", irregular, 6, 1},
         {"rectangle", tilted("rectangle", scale(3, 0.5, 1)), 6, 1},
         {"cube", tilted("cube", scale(1, 2, 3)), 8 * (2 + 3 + 6), 6},
         {"sphere", tilted("sphere", scale(2)), 16 * pi, 0},
@@ -91,6 +94,30 @@ TEST_P(EveryShapeInPatches, HasNoLongerEdgesThanAsked) {
     }
     EXPECT_GT(static_cast<double>(leaves), GetParam().area / (0.4 * 0.4));
     EXPECT_LT(static_cast<double>(leaves), 12 * GetParam().area / (0.4 * 0.4));
+}
+
+TEST_P(EveryShapeInPatches, FollowTheirEstimatedNumber) {
+    const double estimated = PatchMesh::estimated_patches(charts_, 0.4);
+    EXPECT_GT(static_cast<double>(mesh_.leaves().size()), 0.45 * estimated);
+    EXPECT_LT(static_cast<double>(mesh_.leaves().size()), 2.1 * estimated);
+}
+
+// Uniform numbers give a mean of points that is the centroid of the polygon.
+TEST_P(EveryShapeInPatches, HasEvenPoints) {
+    for (const PatchSide& side : mesh_.sides()) {
+        if (charts_[side.chart].curved) continue;
+        const PatchNode& root = mesh_.nodes()[side.root];
+        const auto corners = root.polygon.corners();
+        Vec3d centroid = Vec3d::Zero(), mean = Vec3d::Zero();
+        for (std::size_t i = 2; i < corners.size(); ++i)
+            centroid += (corners[0] + corners[i - 1] + corners[i]) / 3 *
+                        (corners[i - 1] - corners[0]).cross(corners[i] - corners[0]).norm() / (2 * root.area);
+        constexpr std::uint32_t points = 4096;
+        for (std::uint32_t i = 0; i < points; ++i)
+            mean += mesh_.point_on(root, Sampler(PointSet::sobol, 1, 0, i).get_2d(0).cast<double>()).p.cast<double>() /
+                    points;
+        EXPECT_LT((mean - centroid).norm(), 2e-3 * root.radius);
+    }
 }
 
 TEST_P(EveryShapeInPatches, FindsThePlaceOfEveryPoint) {
