@@ -10,7 +10,8 @@
 // Derivation: the rim of a disc of n photons passes through the next photon, so for evenly spread photons the area A
 // of the disc is a Gamma(n + 1) variable. For nested discs of i < j photons A_i / A_j is a Beta variable whatever the
 // density. The cube root of a Gamma variable is nearly normal (Wilson and Hilferty 1931, "The Distribution of
-// Chi-square"). Hence, with the densities D = (n + 1) / A, (D_j / D_i)^(1/3) has the mean 1 - v and the variance v,
+// Chi-square"). Hence, with the densities D = (n + 1) / A, whose n + 1 is the mean of the Gamma variable,
+// (D_j / D_i)^(1/3) has the mean 1 - v and the variance v,
 //     v = q / 9 (1 / i - 1 / j),
 // where q >= 1 is the mean square of the photons' powers over their squared mean. (For areas alone, Var(D_i / D_j) =
 // q (1 / i - 1 / j) to first order.) Discs agree if the cube root lies within sqrt(kappa^2 + 2 log(k / n)) standard

@@ -81,7 +81,8 @@ struct DensityEstimator {
     /// not with all_photons.
     bool compensation = false;
     bool estimates_bias = false;  ///< only with all_photons
-    PlaceRadius by_place = {};    ///< bounds the radius by place, as a share of `max_radius`, with all_photons only
+    /// Bounds the radius by place, as a share of `max_radius`, with all_photons only; its flat regions spare any look-up rays.
+    PlaceRadius by_place = {};
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc. `last` may be null.

@@ -33,7 +33,7 @@ Vec3 SurfaceDisc::direction(float turns) const {
     return std::cos(phi) * frame_.s + std::sin(phi) * frame_.t;
 }
 
-void SurfaceDisc::find_layers(RayQueries& rays, float reach) {
+bool SurfaceDisc::find_layers(RayQueries& rays, float reach) {
     const auto half_way = [&](const Vec3& w) {
         const Vec3 from = offset_origin(hit_, w);
         const auto layer = rays.intersect_bodies({.o = from, .d = w, .t_max = reach});
@@ -41,6 +41,7 @@ void SurfaceDisc::find_layers(RayQueries& rays, float reach) {
     };
     above_ = half_way(frame_.n);
     below_ = half_way(-frame_.n);
+    return std::min(above_, below_) < infinity;
 }
 
 bool SurfaceDisc::find_obstacles(RayQueries& rays, float r, float max_radius) {
@@ -105,8 +106,7 @@ bool SurfaceDisc::inside(const Vec3& offset) const {
     if (distance2 > sqr(longest_)) return false;
     const auto n = static_cast<float>(directions_);
     float sector = std::atan2(y, x) / (2.f * pi) * n - u_.x();
-    if (sector < 0.f) sector += n;
-    if (sector < 0.f) sector += n;  // it was -n/2 - 1 or more at first
+    sector -= n * std::floor(sector / n);
     const int i = std::min(static_cast<int>(sector), directions_ - 1);
     return distance2 <= sqr(sector_[static_cast<std::size_t>(i)]);
 }
@@ -170,6 +170,7 @@ float SurfaceDisc::covered(RayQueries& rays, Kernel kernel, float r) const {
             if (is_covered(rays, w, r * kernel_radius(kernel, mass * v), rise)) on_surface += mass;
         }
     }
+    if (!(sum > 0.f)) return 1.f;  // an obstacle at the centre itself
     // The centre lies on the surface, so the share is above zero even if no probe hits the surface.
     return std::max(on_surface / sum, 0.5f / (many * strata));
 }

@@ -43,8 +43,8 @@ public:
     /// The disc around `hit` on the side of `normal`. The random numbers `u` turn the rays and place the probes.
     SurfaceDisc(const SurfaceHit& hit, const Vec3& normal, const Vec2& u);
 
-    /// Looks for other layers within `reach` above and below the centre.
-    void find_layers(RayQueries& rays, float reach);
+    /// Looks for other layers within `reach` above and below the centre. True if there are any.
+    bool find_layers(RayQueries& rays, float reach);
     /// Looks for obstacles within `r` in a few directions; if there are any, looks again in more directions up to
     /// `max_radius`. True if there are any.
     bool find_obstacles(RayQueries& rays, float r, float max_radius);
@@ -59,7 +59,7 @@ public:
     /// Whether a point is farther from the tangent plane than rounding explains, so that it may lie on another layer.
     bool off_plane(const Vec3& offset) const { return std::abs(offset.dot(frame_.n)) > rounding_; }
 
-    /// The kernel's integral over the part of S within r, in (0, 1].
+    /// The kernel's integral over the part of S within r, in [0, 1]; 0 only if an obstacle lies at the centre itself.
     float share(Kernel kernel, float r) const;
     /// The fraction of share() that is covered by surface, estimated by rays, in (0, 1].
     float covered(RayQueries& rays, Kernel kernel, float r) const;

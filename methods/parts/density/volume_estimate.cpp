@@ -88,14 +88,14 @@ Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& 
     if (k == all_photons) {
         add_all_within(r);
     } else {
-        std::vector<Neighbour> neighbours;
+        std::vector<Neighbour>& neighbours = neighbours_of_thread();
         map.nearest(
             p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, neighbours);
         std::size_t inside = neighbours.size();
         if (inside == k) r = std::sqrt(neighbours[--inside].distance2);
-        const float known = std::min(place_rounding(rays.scene(), p), max_radius);
-        if (inside < neighbours.size() && r < known) {
-            r = known;
+        const float unresolved = std::min(place_rounding(rays.scene(), p), max_radius);
+        if (inside < neighbours.size() && r <= unresolved) {
+            r = unresolved;
             add_all_within(r);
         } else if (r > 0.f) {
             for (std::size_t i = 0; i < inside; ++i)

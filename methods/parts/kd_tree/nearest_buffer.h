@@ -24,6 +24,12 @@ struct Neighbour {
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 
+/// The memory of a thread's look-ups, which none of them has to take for itself. A look-up must not begin within another.
+inline std::vector<Neighbour>& neighbours_of_thread() {
+    static thread_local std::vector<Neighbour> neighbours;
+    return neighbours;
+}
+
 /// Keeps the k nearest of the candidates offered to it. The buffer has room for more than k and is cut back to the k
 /// nearest whenever it is full, so an offer takes constant time on average, where a heap takes time log k.
 ///

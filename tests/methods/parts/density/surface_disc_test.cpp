@@ -301,6 +301,27 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     }
 }
 
+// A look-up near a second sheet says so, whether it takes the nearest photons or all: who uses it elsewhere has to look.
+TEST(SurfaceDisc, ReportsAnotherLayer) {
+    const Ray eye = down_at(0, 0, 0.5f);
+    for (const bool is_double : {false, true}) {
+        const LoadedScene scene =
+            scene_of_shapes(floor_square + (is_double ? white("rectangle", translate(0, 0, -0.01)) : ""));
+        std::vector<Photon> photons;
+        spread(photons, n, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, 1);
+        if (is_double) spread(photons, n, Vec3(-1, -1, -0.01f), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, 2);
+        const PhotonMap map(photons, 1);
+        const auto hit = scene.scene->intersect(eye);
+        ASSERT_TRUE(hit);
+        for (const DensityEstimator& e : estimators()) {
+            RayQueries rays(*scene.scene);
+            const Sampler u(PointSet::independent, 1, 0, 0);
+            EXPECT_EQ(e.reflected_radiance(map, rays, *hit, up, EyePath{100}, u, 0).near_obstacle, is_double)
+                << name_of(e);
+        }
+    }
+}
+
 // The boundary of fog along a wall is no obstacle and no other layer, and does not cover the wall; a sheet there is both.
 TEST(SurfaceDisc, SeesThroughTheBoundariesOfMedia) {
     for (const bool is_sheet : {false, true}) {
