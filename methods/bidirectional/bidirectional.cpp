@@ -8,10 +8,10 @@
 // walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
 // Parameters: sampler = sobol (default) | independent; shared_paths = 16 (default) | 1 | 4 | 64 | 256 light paths that a path
 // from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h); hits,
-// light_sampling, connections, camera = on (default) | off, which turn techniques off: the others take over what they can make, the rest of the light is missing; techniques = off
-// (default) | on, which keeps an image of each technique (parts/vertices/technique_pyramid.h); spp and max_depth as for
-// all methods.
-// Bias: none, for paths that it can sample. It cannot sample the light of point, spot and directional lights that
+// light_sampling, connections, camera = on (default) | off, which turn techniques off: the others take over what they can make,
+// the rest of the light is missing; techniques = off (default) | on, which keeps an image of each technique
+// (parts/vertices/technique_pyramid.h); spp and max_depth as for all methods.
+// Bias: none, for paths that it can sample. It cannot sample the light of point, spot, projector and directional lights that
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
 // A pass: one path from the camera for every pixel, and as many light paths.
 // Fails: never; non-finite samples are counted and dropped.

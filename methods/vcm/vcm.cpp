@@ -64,9 +64,7 @@ public:
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan planned = plan(scene);
-        JoinedPathsSettings settings = settings_;
-        if (!planned.runs(step_merging)) settings.merging.reset();
-        return start_joined_paths(scene, settings, planned,
+        return start_joined_paths(scene, settings_, planned,
                                   shown_components(scene, planned.called_for, find_method("vcm")), seed, stages);
     }
 

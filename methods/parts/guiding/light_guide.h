@@ -63,4 +63,22 @@ private:
     std::uint64_t rays_ = 0;
 };
 
+/// Scatters a path of light at a surface. Where the guide, which may be null, knows the place, it chooses and plays roulette.
+/// Elsewhere the path survives with the probability P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of
+/// channel c, and its power is scaled by (d_c + s_c) / P_r in each channel (Jensen 2001, section 5.2). Where it might have gone
+/// straight on, P_r makes up for the factor that its power has got there. `first_power` is as of LightGuide::scatter(). Empty if the
+/// path ends.
+inline std::optional<ScatteredRay> scatter_light(const LightGuide* guide, PathWalk& walk, const SurfaceHit& hit,
+                                                 const Vec3& wo, const Vec3& wo_local, const VertexNumbers& u,
+                                                 float first_power, bool sees_lights) {
+    if (const auto known = guide ? guide->at_surface(hit, wo, wo_local) : std::nullopt)
+        return guide->scatter(*known, walk, hit, wo_local, u, first_power, sees_lights);
+    PathState& path = walk.at;
+    const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
+    const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
+    const float survival = std::min(path.kept * Color(c.diffuse + c.specular).maxCoeff(), most);
+    if (!survives(path.beta, survival, u.roulette())) return std::nullopt;
+    return walk.scatter(hit, wo_local, u, Transport::power, sees_lights);
+}
+
 }  // namespace gib

@@ -110,8 +110,7 @@ private:
     }
 
     /// A scattering event at p in a medium. `before` is the largest channel of the power at the start of the free
-    /// flight; the roulette
-    /// compensates for the weight of the flight. Returns false if the photon ends here.
+    /// flight; the roulette compensates for the weight of the flight. Returns false if the photon ends here.
     /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
     bool scatter_in_medium(const Vec3& p, float before) {
         const Vec3 wo = walk_.wo();
@@ -141,27 +140,13 @@ private:
 
     /// Scattering at a surface. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
-        const auto next = scattered(hit, wo, wo_local);
+        const auto next =
+            scatter_light(guide_.guide, walk_, hit, wo, wo_local, walk_.vertex_numbers, guide_.first_power, false);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
         walk_.go_on(hit, next->wi);
         return true;
-    }
-
-    /// Scattering at a surface by Russian roulette (Jensen 2001, section 5.2): the photon survives with probability
-    /// P_r = max_c (d_c + s_c), with the diffuse and specular coefficients d and s of channel c; its power is then
-    /// scaled by (d_c + s_c) / P_r in each channel. Where it might have gone straight on, P_r makes up for the factor
-    /// that its power has got there. A guide, where it knows the place, chooses and plays roulette by itself. Empty if the photon ends here.
-    std::optional<ScatteredRay> scattered(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
-        if (const auto known = guide_.guide ? guide_.guide->at_surface(hit, wo, wo_local) : std::nullopt)
-            return guide_.guide->scatter(*known, walk_, hit, wo_local, walk_.vertex_numbers, guide_.first_power, false);
-        const ScatteringCoefficients c = hit.bsdf->coefficients_local(wo_local);
-        const Color albedo = c.diffuse + c.specular;
-        const VertexNumbers& u = walk_.vertex_numbers;
-        const float most = is_black(c.diffuse) ? most_specular_survival(at_.vertex) : most_survival(at_.vertex);
-        if (!survives(at_.beta, std::min(at_.kept * albedo.maxCoeff(), most), u.roulette())) return std::nullopt;
-        return walk_.scatter(hit, wo_local, u, Transport::power, false);
     }
 
     PathWalk walk_;

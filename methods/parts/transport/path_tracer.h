@@ -24,10 +24,6 @@ struct BsdfDirections {
     void found(const Color& /*light*/) {}
 };
 
-/// Russian roulette starts at the vertex of this number. Earlier vertices carry most of the image, and ending paths
-/// there would add more variance than it saves time.
-inline constexpr int first_roulette_vertex = 3;
-
 /// trace_path(), whose paths go on in the given directions. `light_sampling`: false where no light can be sampled.
 template <typename Directions>
 PixelSample trace_path_in(Directions& directions, RayQueries& rays, const TracedRay& eye, const Sampler& sampler,

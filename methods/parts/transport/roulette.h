@@ -16,6 +16,10 @@ inline bool survives(Color& beta, float probability, float u) {
     return true;
 }
 
+/// Roulette of the camera's paths starts at the vertex of this number. Earlier vertices carry most of the image, and ending paths
+/// there would add more variance than it saves time.
+inline constexpr int first_roulette_vertex = 3;
+
 /// Paths before this vertex are not ended because of their length.
 inline constexpr int first_capped_vertex = 1024;
 

@@ -5,7 +5,9 @@
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/path_vertex.h"
 
-#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
 
 namespace gib {
 
@@ -18,7 +20,7 @@ struct FoundLight {
 };
 
 /// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers, flights)
-/// at every vertex where another walk could end, before the path is scattered there; the walk ends if visit() returns false.
+/// at every vertex where another walk could end, before the path is scattered there.
 template <typename Found, typename Visit>
 class CameraWalk {
 public:
@@ -46,8 +48,6 @@ public:
     }
 
 private:
-    static constexpr int first_roulette_vertex = 3;  // as in path tracing
-
     bool is_last() const { return walk_.at.vertex + 1 >= rules_.max_edges; }
 
     /// The event at p in the medium. Returns whether the path goes on.
@@ -59,7 +59,7 @@ private:
         if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
         PathVertex vertex(walk_, p, path.path_class, sums_);
         tell_whether_first(vertex);
-        if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
+        visit_(vertex, u, walk_.flights);
         last_n_ = n;
         path.path_class.in_medium = true;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -94,7 +94,7 @@ private:
         if (vertex.can_be_joined()) {
             tell_whether_first(vertex);
             if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
-            if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
+            visit_(vertex, u, walk_.flights);
         }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
         if (!next) return false;
@@ -120,7 +120,7 @@ private:
     double samples_of_connection() const {
         if (walk_.at.vertex == 0) return 1;
         if (!rules_.used.connections) return 0;
-        return first_ && walk_.at.vertex == *first_ + 1 ? rules_.shared_samples : 1;
+        return first_ && walk_.at.vertex == *first_ + 1 ? rules_.first_samples : 1;
     }
     void tell_whether_first(PathVertex& vertex) {
         vertex.is_first = !first_;
@@ -176,7 +176,7 @@ private:
     Visit visit_;
     PathWalk walk_;
     TechniqueSums sums_;
-    std::optional<int> first_;  ///< the walk's vertices before the first one that can be joined
+    std::optional<int> first_;  ///< number of vertices before the first one that can be joined; empty until then
     // The last vertex where merging is pending, on a surface if its n is not known yet.
     std::optional<SurfaceHit> last_hit_;
     Vec3 last_from_ = Vec3::Zero();

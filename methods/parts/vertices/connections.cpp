@@ -80,7 +80,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
     const double emission = paths.emission.density(light->light, emitting, -light->wi, light->cos_light);
     const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);  // (44)
-    // Across the light's surface both the emission and its cosine are 0.
+    // In a direction along the light's surface, emission has density 0 and cosine 0; their ratio is taken for 0.
     const double step =
         emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
     const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);  // (45)
@@ -122,7 +122,7 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
         squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
-    const double samples = eye.is_first ? rules.shared_samples : 1;
+    const double samples = eye.is_first ? rules.first_samples : 1;
     path.weight = static_cast<float>(1 / (1 + (by_camera + by_light) / squared(samples)));  // (37)
     return path;
 }
@@ -151,7 +151,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
     const double reverse = direction_pdfs(light, to_camera, light.from_local).to_light;
-    const double others = squared(step) * light.earlier_at_first(reverse, rules.shared_samples);  // (46)
+    const double others = squared(step) * light.earlier_at_first(reverse, rules.first_samples);  // (46)
     splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }
@@ -177,7 +177,7 @@ std::optional<Splat> sample_light_from_camera(RayQueries& rays, const LightPaths
     Splat splat{.pixel = seen->pixel, .connection = {.light = {}, .weight = 1.f}};
     splat.connection.light[Component::emission] =
         light->Le * visible * static_cast<float>(seen->density / double{light->pdf_w});
-    // Of the walk's samples, `count` in a pass, this direction gets ray_density() a steradian; of these, count pdf_w.
+    // Densities of this direction [1/sr] in a pass: ray_density() by the camera's walks, count pdf_w by light sampling.
     const double by_walk = sensor.ray_density(seen->view.ray.d) / (paths.count * double{light->pdf_w});
     if (is_found_too) splat.connection.weight = static_cast<float>(1 / (1 + squared(by_walk)));
     return splat;

@@ -19,7 +19,7 @@ void add_weighted(const Connection& path, PixelSample& sample) {
 
 /// The weights take shared connections for this many samples, which lies between the three that are made and the number of paths.
 /// In door-ajar 4 is within a quarter of the best, 16; in cornell-box, where few vertices are hidden, 8 and 4 are best.
-constexpr double shared_samples = 4;
+constexpr double first_samples = 4;
 
 class JoinedPathsRun final : public Run {
 public:
@@ -40,7 +40,7 @@ public:
                 .seed = seed} {
         if (connects_paths(settings.used) && settings.max_edges >= 3 && settings.shared_paths > 1) {
             pass_.shared_paths = settings.shared_paths;
-            pass_.rules.shared_samples = shared_samples;
+            pass_.rules.first_samples = first_samples;
         }
         if (settings.shows_techniques) {
             pyramid_ = std::make_unique<TechniquePyramid>(width(), height(), paths_.sum_unit / paths_.count);
@@ -66,7 +66,7 @@ public:
             scene_, film_, pass, stages_, step_eye_paths, Tile::count(scene_.sensor()),
             [&](RayQueries& rays, std::size_t index, const auto& add) {
                 const Tile tile(scene_.sensor(), index);
-                // The pixels of a group are spread evenly over the tile, because their noise is alike.
+                // A group has every `apart`-th pixel of the tile in x and y, because its pixels' noise is alike.
                 const bool shares = pass_.shared_paths > 1;
                 const int apart = shares ? Tile::edge / static_cast<int>(std::sqrt(pass_.shared_paths)) : 1;
                 JoinedPathsEstimate estimate(pass_);
@@ -236,6 +236,7 @@ std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSet
                                         const ShownComponents& shown, std::uint64_t seed, StageTimes& stages) {
     JoinedPathsSettings needed = settings;
     needed.used.light_sampling &= plan.runs(step_light_sampling);
+    if (!plan.runs(step_merging)) needed.merging.reset();
     return std::make_unique<JoinedPathsRun>(scene, needed, plan, shown, seed, stages);
 }
 

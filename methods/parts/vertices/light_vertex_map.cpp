@@ -40,7 +40,7 @@ public:
           radius_(
               static_cast<float>(eye.hit ? rules.merging.on_surfaces : rules.merging.radius_at(*eye.medium, eye.p))),
           power_(power),
-          samples_of_connection_(eye.is_first ? rules.shared_samples : 1),
+          samples_of_connection_(eye.is_first ? rules.first_samples : 1),
           path_{rules.max_edges - eye.edges, eye.stratum},
           sample_(sample),
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),

@@ -9,8 +9,8 @@
 namespace gib {
 
 /// Follows a path from a light and calls visit(vertex, numbers, flights) at every vertex where another walk could end,
-/// before the path is scattered there; the walk ends if visit() returns false. The powers are in units of the scene's emitted power, so that they keep to the
-/// range of float. The path and one more edge have at most as many edges as the rules allow.
+/// before the path is scattered there. The powers are in units of the scene's emitted power, so that they keep to the range of
+/// float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
 /// similar power (Jensen 2001, section 5.2). If its vertices are connected to the camera alone, it follows the guide of the
@@ -54,7 +54,7 @@ private:
         arrive(p, 1, rules_.merging.n_at(*path.medium, p), false);
         if (is_made_without_merging()) return false;
         PathVertex vertex(walk_, p, path_class_, sums_);
-        if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
+        visit_(vertex, u, walk_.flights);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
         const Vec3 to = scatter_in_medium(walk_, sums_, u);
@@ -75,28 +75,16 @@ private:
         PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
             if (is_made_without_merging()) return false;
-            if (!goes_on_after(visit_, vertex, u, walk_.flights)) return false;
+            visit_(vertex, u, walk_.flights);
         }
 
-        const auto next = scattered(vertex, u);
+        const auto next =
+            scatter_light(guide_, walk_, *vertex.hit, vertex.from, vertex.from_local, u, first_power, true);
         if (!next) return false;
         step(sums_, vertex, *next, Transport::radiance);
         path_class_ = path_class_.preceded_by(next->lobe);
         walk_.go_on(*vertex.hit, next->wi);
         return true;
-    }
-
-    /// The direction in which the surface scatters the walk.
-    std::optional<ScatteredRay> scattered(const PathVertex& vertex, const VertexNumbers& u) {
-        PathState& path = walk_.at;
-        const SurfaceHit& hit = *vertex.hit;
-        if (const auto known = guide_ ? guide_->at_surface(hit, vertex.from, vertex.from_local) : std::nullopt)
-            return guide_->scatter(*known, walk_, hit, vertex.from_local, u, 1.f, true);
-        const ScatteringCoefficients c = hit.bsdf->coefficients_local(vertex.from_local);
-        const float most = is_black(c.diffuse) ? most_specular_survival(path.vertex) : most_survival(path.vertex);
-        const float survival = std::min(path.kept * Color(c.diffuse + c.specular).maxCoeff(), most);
-        if (!survives(path.beta, survival, u.roulette())) return std::nullopt;
-        return walk_.scatter(hit, vertex.from_local, u, Transport::power, true);
     }
 
     /// Whether only paths are wanted that merging alone can make, and another technique makes every path to this vertex.
@@ -119,6 +107,9 @@ private:
         sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
         sums_.arrive(1, cosine, 1, n, focuses);
     }
+
+    /// The mean power of a path that starts, in the unit LightPaths::power.
+    static constexpr float first_power = 1.f;
 
     const Scene& scene_;
     const PathRules& rules_;

@@ -61,7 +61,10 @@ struct MergeRadii {
 /// The rule along one walk. It refers to the walk's last vertex.
 class MergeRule {
 public:
-    MergeRule(Merges merges, bool from_light) : everywhere_(merges == Merges::everywhere), from_light_(from_light) {}
+    MergeRule(Merges merges, bool from_light)
+        : everywhere_(merges == Merges::everywhere),
+          from_light_(from_light),
+          defers_(!from_light && (merges == Merges::behind_focus || merges == Merges::alone)) {}
 
     double n2() const { return n2_; }  ///< n^2 of this vertex; 0 until set_n(), if that is to be told later
     void set_n(double n) { n2_ = squared(n); }
@@ -82,7 +85,7 @@ public:
     bool is_pending() const { return pending_ > 0; }
     /// Scattering by lobes that are no delta: merging here has the term `step` n^2.
     void scatter(double step) {
-        pending_ = from_light_ || everywhere_ ? 0 : step;
+        pending_ = defers_ ? step : 0;
         behind_focus_ = focuses_;
     }
     /// Scattering by a delta lobe; returns as settle() does.
@@ -95,6 +98,7 @@ private:
     double pending_ = 0;  ///< factor of n^2 of the vertex before
     double n2_ = 0;
     bool everywhere_, from_light_;
+    bool defers_;  ///< whether a vertex is merged is known at the next one
     bool focuses_ = false;
     bool behind_focus_ = false;  ///< the last event before this vertex focuses
 };

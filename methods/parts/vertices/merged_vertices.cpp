@@ -20,7 +20,7 @@ void MergedVertices::start_pass(std::uint32_t pass, PathRules& rules, std::uint6
     const std::uint64_t key = combine_keys(seed_, pass);
     const bool is_given = settings_.radius > 0;
     const double count = is_given ? paths_.count : std::max(paths_.count, fewest_merged_paths);
-    rules.merging = {count, 1, 1};
+    rules.merging = {count, 1, 1};  // for the pilot: any radius, so that walks know of merging
     if (pass == 0 && !(first_radius_ > 0 && first_radius_in_media_ > 0)) find_first_radii(rules, key, rays);
     const std::uint64_t passes_before = settings_.first_pass + pass;
     const double r = first_radius_ * shrinking_.on_surfaces(passes_before);

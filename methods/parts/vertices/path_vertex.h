@@ -5,7 +5,6 @@
 #include "methods/parts/vertices/technique_sums.h"
 
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace gib {
@@ -23,7 +22,7 @@ struct PathVertex {
     Vec3 from;             ///< direction towards where the walk came from, unit
     Vec3 from_local;       ///< the same in the shading frame of the hit
     const Medium* medium;  ///< medium that the walk arrived in; null: vacuum
-    Color beta;            ///< throughput of the camera's walk on arrival, or power of the light's [W]
+    Color beta;            ///< throughput of the camera's walk on arrival, or the light's power [LightPaths::power]
     PathClass path_class;  ///< class of the vertices between this one and the walk's start, read from the camera
     std::optional<int> stratum;
     int edges;              ///< number of edges of the walk up to here
@@ -146,17 +145,6 @@ inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
 /// Works out n of merging at a vertex on a surface, if it has not been told yet.
 inline void tell_n(const MergeRadii& radii, RayQueries& rays, PathVertex& at) {
     if (at.hit && !(at.sums.merging().n2() > 0)) at.sums.merging().set_n(radii.n_at(rays, *at.hit, at.from));
-}
-
-/// Visits a vertex of a walk. Returns whether the walk goes on, which a visitor without an answer leaves to the walk.
-template <typename Visit>
-bool goes_on_after(Visit& visit, PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
-    if constexpr (std::is_void_v<decltype(visit(vertex, u, flights))>) {
-        visit(vertex, u, flights);
-        return true;
-    } else {
-        return visit(vertex, u, flights);
-    }
 }
 
 /// Scatters the walk in its medium and takes the sums past the event. Returns the direction.

@@ -12,11 +12,12 @@
 // q is one half uniform, and one half in proportion to what the vertices gave to the walks that have been connected with all of
 // them, which every eighth walk is: that also says which vertices are hidden, as q by the unoccluded light would not (in
 // door-ajar that made the variance larger). q depends on earlier walks alone, so the estimate has no bias. The weights
-// of techniques take a connection there for `shared_samples` independent ones (technique_sums.h).
+// of techniques take a connection there for `first_samples` independent ones (technique_sums.h).
 
 #include "common/sampling/sampler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -52,7 +53,7 @@ public:
         if (walks_++ % walks_per_survey == 0) {
             if (walks_ == 1) given_.assign(count, 0.0);
             for (std::size_t v = 0; v < count; ++v)
-                given_[v] += join(vertices_[v], share);
+                if (const double size = join(vertices_[v], share); std::isfinite(size)) given_[v] += size;
             sums_.resize(count);
             std::partial_sum(given_.begin(), given_.end(), sums_.begin());
             return;

@@ -14,7 +14,7 @@
 //  - d_vcm and d_vc hold sums of squares, as the power heuristic needs them.
 //  - d_vm is not stored. It is d_vc / n^2 where n is the same at all vertices; here n differs between surfaces and media, so
 //    the weight of a merge divides the sum over the other techniques by the n^2 of its own vertex (light_vertex_map.cpp).
-//  - Connections of the first vertex of the camera's walk that can be joined may have several samples, `shared_samples`, by which
+//  - Connections of the first vertex of the camera's walk that can be joined may have several samples, `first_samples`, by which
 //    their density is multiplied (Veach 1997, section 9.2.1); all others have 1.
 //  - A vertex is merged only behind a surface that focuses, so the term n^2 of equations 35, 40 and 41 may be absent, or
 //    may come one vertex later (merge_rule.h).
@@ -52,8 +52,9 @@ struct PathRules {
     Techniques used = {};
     MergeRadii merging = {};
     int min_edges = 1;  ///< edges of the shortest path that counts
-    double shared_samples =
-        1;  ///< that the weights take a connection of the camera walk's first vertex for (shared_vertices.h)
+    /// Number of independent samples that the weights assume for a connection of the first vertex of the camera's walk that can
+    /// be joined (Veach 1997, section 9.2.1; shared_vertices.h).
+    double first_samples = 1;
 
     /// Whether there is any technique but the connection of a light's walk to the camera.
     bool have_others() const { return used.hits || used.light_sampling || used.connections || merging.any(); }
@@ -129,7 +130,8 @@ public:
     }
 
     /// For the camera's walk at a point of a light: the sum over the techniques other than s = 0 (43). `sampling` is the
-    /// density of this point by light sampling from the previous vertex [1/m^2] (for an environment [1/sr]).
+    /// density of this point by light sampling from the previous vertex [1/m^2] (for an environment [1/sr]). Light sampling has one
+    /// sample, so d_vcm stands without those of a connection.
     double other_than_hit(double sampling, double emission, const Techniques& used) const {
         return (used.light_sampling ? d_vcm_ * squared(sampling) : 0) + d_vc_ * squared(emission);
     }

@@ -76,7 +76,7 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
         for (std::size_t i = s; i <= n; ++i)
             density *= backward[i];
         if (s == n + 1) density *= paths.count;
-        if (s == n && s >= 2) density *= rules.shared_samples;  // at the first vertex of the camera's walk
+        if (s == n && s >= 2) density *= rules.first_samples;  // at the first vertex of the camera's walk
         p.push_back(squared(density));
     }
     double sum = std::accumulate(p.begin(), p.end(), 0.0);
@@ -97,10 +97,10 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
 }
 
 void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeRadii& merging = {},
-                    double shared_samples = 1) {
+                    double first_samples = 1) {
     const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
-    const PathRules rules{longest, {.merges = merges}, merging, 1, shared_samples};
+    const PathRules rules{longest, {.merges = merges}, merging, 1, first_samples};
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
     StageTimes stages;
