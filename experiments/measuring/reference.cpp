@@ -98,7 +98,7 @@ public:
                 if (unsaved_) save();
                 throw;
             }
-            if (now() - saved_at_ > save_interval) save();
+            if (unsaved_ && now() - saved_at_ > save_interval) save();
             done = good_enough();
         }
         compare_with_pilots();
@@ -215,25 +215,34 @@ private:
         return true;
     }
 
-    /// Measures the makers and decides their shares by the last round. Each round has twice the passes of the one before,
-    /// until a few per cent of the work are done that the reference is predicted to take. Returns false if others have to
-    /// make its batches.
+    /// Measures the makers and decides their shares by the last round of each. Each round has twice the passes of the one before,
+    /// and leaves out the makers that the one before has outdone, until a few per cent of the work are done that the reference is
+    /// predicted to take. Returns false if others have to make its batches.
     bool run_pilot() {
         std::vector<std::string> names;
         for (const ReferenceMaker& maker : makers_)
             names.push_back(maker.name());
         DroppedSamples dropped;
+        std::vector<MakerPilot> pilots(makers_.size());
+        for (std::size_t m = 0; m < makers_.size(); ++m)
+            pilots[m].unresolved = makers_[m].unresolved();
+        std::vector<bool> outdone(makers_.size(), false);
         for (std::uint32_t round = 0, passes = first_pilot_passes;; ++round, passes *= 2) {
             std::vector<ReferenceBatch> batches;
-            for (std::uint32_t m = 0; m < makers_.size(); ++m)
+            for (std::uint32_t m = 0; m < makers_.size(); ++m) {
+                if (outdone[m]) continue;
+                MakerPilot& pilot = pilots[m];
+                if (round == 1) {
+                    pilot.first_groups = std::move(pilot.groups);
+                    pilot.first_passes = pilot.passes;
+                }
+                pilot.groups.clear();
+                pilot.passes = passes;
+                pilot.work = 0;
                 for (std::uint32_t g = 0; g < pilot_groups; ++g)
                     batches.push_back({m, first_pilot_batch + round * pilot_groups + g, passes, 0});
-            if (!may_make(batches, batches)) return false;
-            std::vector<MakerPilot> pilots(makers_.size());
-            for (std::size_t m = 0; m < makers_.size(); ++m) {
-                pilots[m].unresolved = makers_[m].unresolved();
-                pilots[m].passes = passes;
             }
+            if (!may_make(batches, batches)) return false;
             for (const ReferenceBatch& batch : batches) {
                 progress_.update(0, std::nullopt,
                                  fmt::format("reference of {}: trying {}", work_.scene.name, names[batch.maker]));
@@ -247,10 +256,17 @@ private:
             }
             for (std::size_t m = 0; m < makers_.size(); ++m)
                 agreement_.set_pilot(m, pilots[m].groups);
-            const MakerPlan plan = plan_of_least_variance(names, pilots, work_.epsilon);
-            shares_ = plan.shares;
-            unit_work_ = reference_groups * plan.unit_work;
             const auto& goal = work_.goal;
+            const auto plan_for = [&](double work) {
+                return plan_of_least_variance(names, pilots, work_.epsilon, work);
+            };
+            const MakerPlan plan = plan_for(goal.target    ? plan_for(0).error2_work / sqr(*goal.target)
+                                            : goal.seconds ? pilot_work_ / pilot_seconds_ * *goal.seconds
+                                                           : 0);
+            shares_ = plan.shares;
+            for (std::size_t m = 0; m < makers_.size(); ++m)
+                outdone[m] = outdone[m] || plan.outdone[m];
+            unit_work_ = reference_groups * plan.unit_work;
             if (goal.target) foreseen_work_ = plan.error2_work / sqr(*goal.target);
             const bool enough = goal.target && pilot_work_ > pilot_share * foreseen_work_;
             const bool late =
@@ -314,7 +330,7 @@ private:
                                        text_of(found->where)));
         groups_.restart();
         agreement_.restart();
-        pilot_seconds_ = groups_.seconds;  // whose passes do not count
+        pilot_seconds_ = groups_.seconds;  // the passes of this time are given up
         unsaved_ = false;
     }
 
@@ -376,7 +392,7 @@ private:
         unsaved_ = false;
     }
 
-    /// What MakerAgreement keeps lies beside the batches.
+    /// The file of what MakerAgreement keeps, beside the reference.
     std::string agreement_file() const { return work_.path + ".makers.exr"; }
     std::string agreement_state() const { return fmt::format("{} {} {}", key_, groups_.rounds, groups_.passes); }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 namespace gib {
@@ -21,11 +22,21 @@ constexpr double second_opinion = 0.1;        ///< share of the work of the seco
 constexpr double lacking_alpha = 0.001;
 constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes none of a component
 /// The best maker does the work, but for the second opinion, unless all together are predicted to be sooner by more than this
-/// factor. A maker that has all the work makes more passes in a row, and Sobol' points are then better than a short pilot can
-/// tell: by 8 % where it was measured, the bidirectional method in cornell-box.xml.
+/// factor: a maker that has all the work makes more passes in a row.
 constexpr double least_gain = 1.1;
+/// The variance of a pass is foreseen to fall with the number of passes to the power of minus this at most, and up to so many times
+/// the passes of the pilot.
+constexpr double steepest_gain = 0.5, farthest_gain = 64;
+/// A fall that the noise of fewer pixels decides is not foreseen to go on.
+constexpr double fewest_pixels = 8;
+/// The costs that a pilot shows may be so many times the true ones: rare bright paths make them uncertain, and methods that learn
+/// have not learned yet.
+constexpr double outdone_by = 2;
 
 bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
+
+double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+double mean_of(const std::vector<double>& values) { return sum_of(values) / static_cast<double>(values.size()); }
 
 /// Mean over the groups, and the variance of this mean, of each value.
 struct GroupMoments {
@@ -51,7 +62,8 @@ GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c)
 /// in it beyond doubt and another one does not.
 class Costs {
 public:
-    Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon) : pilots_(pilots) {
+    Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon, double work)
+        : pilots_(pilots), work_(work) {
         std::vector<std::vector<ComponentImages>> blocks(pilots.size());
         for (std::size_t m = 0; m < pilots.size(); ++m)
             for (const ComponentImages& group : pilots[m].groups)
@@ -110,7 +122,7 @@ private:
                 costs.push_back(std::numeric_limits<double>::infinity());
                 continue;
             }
-            double variance = pixel_variance(pilots_[m].groups, c), lacking = 0;
+            double variance = mean_of(pixel_variances(pilots_[m].groups, c)) * gain_of_points(m, c), lacking = 0;
             for (std::size_t other = 0; other < pilots_.size(); ++other)
                 if (samples(other, c)) lacking = std::max(lacking, shortfall(of_blocks[m], of_blocks[other]));
             // Both belong to the mean over all groups; a pass has the variance of all passes times their number.
@@ -133,20 +145,45 @@ private:
         if (std::ranges::any_of(left, [](double cost) { return std::isfinite(cost); })) costs = left;
     }
 
-    /// Mean over pixels and channels of the relative variance of the mean over all groups.
-    double pixel_variance(const std::vector<ComponentImages>& groups, Component c) const {
-        const GroupMoments moments = moments_of(groups, c);
+    /// The relative variance of the mean over all groups, by pixel and channel.
+    std::vector<double> pixel_variances(const std::vector<ComponentImages>& groups, Component c) const {
+        std::vector<double> variances = moments_of(groups, c).variance;
         const Image& image = *groups.front()[c];
         const Grid grid = Grid::with_edge(image.width, image.height, agreement_edge);
-        double sum = 0;
         for (std::size_t b = 0; b < grid.size(); ++b)
             grid.for_each_in(b, [&](int x, int y) {
                 const auto pixel =
                     static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
                 for (std::size_t k = 0; k < 3; ++k)
-                    sum += moments.variance[3 * pixel + k] / denominators_[3 * b + k];
+                    variances[3 * pixel + k] /= denominators_[3 * b + k];
             });
-        return sum / static_cast<double>(image.rgb.size());
+        return variances;
+    }
+
+    /// The factor by which the variance of a pass of maker m is foreseen to be smaller in the reference than in the pilot's last
+    /// round. With the sum S of the pixels' variances of a pass in the first round and in the last, log(S_last / S_first) has the
+    /// variance sum over pixels of (s_last / S_last - s_first / S_first)^2, where pixels are independent and none outweighs the
+    /// others. Only the fall beyond two standard errors counts, and none where a few bright pixels decide.
+    double gain_of_points(std::size_t m, Component c) const {
+        const MakerPilot& pilot = pilots_[m];
+        const double batch = work_ / (reference_groups * work_of_pass(m));  // passes, if m made all of the reference
+        const double more = std::min(batch / pilot.passes, farthest_gain);
+        if (pilot.first_groups.empty() || !(more > 1)) return 1;
+        const std::vector<double> first = pixel_variances(pilot.first_groups, c),
+                                  last = pixel_variances(pilot.groups, c);
+        const double of_first = sum_of(first), of_last = sum_of(last);
+        if (!(of_first > 0 && of_last > 0)) return 1;
+        double variance = 0;
+        for (std::size_t i = 0; i < last.size(); i += 3) {
+            double difference = 0;  // the channels of a pixel are one sample
+            for (std::size_t k = i; k < i + 3; ++k)
+                difference += last[k] / of_last - first[k] / of_first;
+            variance += sqr(difference);
+        }
+        if (variance > 1.0 / fewest_pixels) return 1;
+        const double rise = static_cast<double>(pilot.passes) / pilot.first_passes;
+        const double fall = -(std::log(rise * of_last / of_first) + 2 * std::sqrt(variance)) / std::log(rise);
+        return std::pow(more, -std::clamp(fall, 0.0, steepest_gain));
     }
 
     /// Mean over blocks of the squared light that the other maker has found and this one has not, beyond their noise.
@@ -160,6 +197,7 @@ private:
     }
 
     const std::vector<MakerPilot>& pilots_;
+    double work_;
     std::vector<double> denominators_;
     std::array<std::vector<double>, component_count> costs_;
 };
@@ -308,6 +346,23 @@ void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>
         share /= sum;
 }
 
+/// MakerPlan::outdone.
+std::vector<bool> outdone_makers(const std::vector<std::vector<double>>& judged, std::size_t makers) {
+    std::vector<bool> outdone(makers, false);
+    if (judged.empty()) return outdone;
+    std::size_t best = 0;
+    for (std::size_t m = 0; m < makers; ++m) {
+        if (sum_of_costs(judged, m, true) < sum_of_costs(judged, best, true)) best = m;
+        std::vector<std::vector<double>> cheaper = judged;
+        for (auto& of_component : cheaper)
+            of_component[m] /= outdone_by;
+        outdone[m] = shares_of_work(cheaper, makers)[m] < least_share_of_work;
+    }
+    outdone[best] = false;
+    if (makers > 1) outdone[second_maker(judged, makers, best)] = false;
+    return outdone;
+}
+
 /// The method with its settings, which goes on after so many passes if it depends on them.
 std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabel label, int max_edges,
                                      std::uint64_t passes) {
@@ -381,8 +436,8 @@ MadeBatch ReferenceMaker::make(const MethodDescription& method, const MethodLabe
 }
 
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 const std::optional<double>& epsilon) {
-    const Costs costs(pilots, epsilon);
+                                 const std::optional<double>& epsilon, double work_of_reference) {
+    const Costs costs(pilots, epsilon, work_of_reference);
     const std::vector<std::vector<double>> judged = judged_costs(costs);
     std::vector<double> work = shares_of_work(judged, methods.size());
     add_needed_makers(costs, judged, work);
@@ -398,6 +453,7 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
     }
     const std::vector<std::uint32_t> passes = passes_of_unit(work, costs);
     MakerPlan plan;
+    plan.outdone = outdone_makers(judged, methods.size());
     for (std::size_t m = 0; m < methods.size(); ++m) {
         plan.shares.push_back({methods[m], passes[m], {}});
         plan.unit_work += passes[m] * costs.work_of_pass(m);

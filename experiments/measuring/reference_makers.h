@@ -12,6 +12,9 @@
 // a tenth, it makes none of a component: little is gained by its images, and their rare bright hits might be missing. Weights and shares are fixed before
 // the images that they weigh are made, so the combination is unbiased.
 //
+// Sobol' points make the variance of a pass smaller the more passes a batch has, and a short pilot has few of them. Where it has
+// fallen from the pilot's first round to its last beyond doubt, it is taken to fall on by the same power of their number.
+//
 // Where no unbiased method samples all paths, a consistent one may make the remainder of one of them
 // (MethodDescription::remainder). Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
 //
@@ -74,21 +77,26 @@ struct MakerShare {
 
 /// Measured in a pilot.
 struct MakerPilot {
-    std::vector<ComponentImages> groups;  ///< the mean of each group's passes
-    std::uint32_t passes = 0;             ///< number of passes in each group
-    double work = 0;                      ///< work of all groups (MadeBatch::work)
-    std::vector<Component> unresolved;    ///< components that the maker cannot sample
+    std::vector<ComponentImages> groups;             ///< the mean of each group's passes
+    std::uint32_t passes = 0;                        ///< number of passes in each group
+    std::vector<ComponentImages> first_groups = {};  ///< those of the first round; empty: there was no other round
+    std::uint32_t first_passes = 0;
+    double work = 0;                    ///< work of all groups (MadeBatch::work)
+    std::vector<Component> unresolved;  ///< components that the maker cannot sample
 };
 
 struct MakerPlan {
     std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
     double error2_work = 0;          ///< the predicted squared relative error times the work that it takes
     double unit_work = 0;            ///< work of one unit
+    /// By maker: whether a longer pilot can leave it out, because it would get no work even if the pilot showed several times
+    /// its true costs. At least two are left.
+    std::vector<bool> outdone;
 };
 /// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:
-/// the default (epsilon.h), of the light that the pilots have found.
+/// the default (epsilon.h), of the light that the pilots have found. `work` is that of the whole reference, as far as it is known.
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 const std::optional<double>& epsilon);
+                                 const std::optional<double>& epsilon, double work = 0);
 
 /// Takes a component from the maker `lesser`: the others make it, or `greater` if none of them did.
 void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t lesser, std::size_t greater);

@@ -163,7 +163,7 @@ MethodDescription describe_guided_path() {
                 Settings{point_set_of(values), values.number("memory"), max_edges_of(values, defaults)});
         },
         // A short pilot shows the variance before the field has learned, and batches with seeds of their own forget it: tried, it
-        // made references no sooner (experiments/STUDIES.md).
+        // made references no sooner, and made the pilots of all makers shorter (experiments/STUDIES.md).
         .makes_references = false,
         .ray_cost = 2,
         .stores_light = true,

@@ -105,10 +105,12 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
     if (is_black(visible)) return std::nullopt;
 
-    const double to_light = double{light.cosine(w)} / distance2, to_eye = double{eye.cosine(w)} / distance2;
+    // The densities per area at each end are those per solid angle times these.
+    const double per_area_at_light = double{light.cosine(w)} / distance2,
+                 per_area_at_eye = double{eye.cosine(w)} / distance2;
     Connection path;
     const Color rest = eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
-                       static_cast<float>(paths.power * to_light);
+                       static_cast<float>(paths.power * per_area_at_light);
     for (const LobeKind kind : lobe_kinds) {
         const Color& f = of(at_eye, kind);
         if (is_black(f)) continue;
@@ -119,9 +121,10 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from_local, w_eye),
                         light_pdf = direction_pdfs(light, w_light, light.from_local);
     const bool focuses = light.sums.merging().focuses();
-    const double by_camera = squared(eye_pdf.to_light * to_light) * light.sums.earlier(light_pdf.to_light);  // (40)
+    const double by_camera =
+        squared(eye_pdf.to_light * per_area_at_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
-        squared(light_pdf.to_camera * to_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
+        squared(light_pdf.to_camera * per_area_at_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
     const double samples = eye.is_first ? rules.first_samples : 1;
     path.weight = static_cast<float>(1 / (1 + (by_camera + by_light) / squared(samples)));  // (37)
     return path;

@@ -86,6 +86,56 @@ TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
     EXPECT_EQ(std::max(plan.shares[0].passes, plan.shares[1].passes), 9u);
 }
 
+// Another pilot need not try a maker that is several times dearer at everything, unless only two are left.
+TEST(MakerPlan, SaysWhichMakersAreOutdone) {
+    const auto outdone = [](const std::vector<Made>& makers) {
+        std::vector<std::string> names;
+        std::vector<MakerPilot> pilots;
+        for (const Made& made : makers) {
+            names.push_back(std::to_string(pilots.size()));
+            pilots.push_back(pilot_of(made, pilots.size() + 1));
+        }
+        return plan_of_least_variance(names, pilots, 0.01).outdone;
+    };
+    const Made good, worse{.direct_noise = 0.2, .caustic_noise = 0.2}, dear{.direct_noise = 0.4, .caustic_noise = 0.4};
+    EXPECT_EQ(outdone({good, worse, dear}), (std::vector<bool>{false, false, true}));
+    EXPECT_EQ(outdone({dear, good}), (std::vector<bool>{false, false}));
+    const Made good_at_one{.direct_noise = 0.4, .caustic_noise = 0.02},
+        near{.direct_noise = 0.12, .caustic_noise = 0.12};
+    EXPECT_EQ(outdone({good, worse, good_at_one, near}), (std::vector<bool>{false, true, false, false}));
+    EXPECT_EQ(outdone({good, worse, near}), (std::vector<bool>{false, true, false}));
+}
+
+// The variance of a pass of one maker falls with n^-1/2, as that of good points does, and the pilot ends before it is the better
+// one. Where a single bright pixel has made the first round noisy, the fall says nothing.
+TEST(MakerPlan, ForeseesTheGainOfPoints) {
+    const double fall = std::pow(4, -0.75);  // of the standard deviation, from 1 to 4 passes
+    const Made first{.direct_noise = 0.4, .caustic_noise = 0.4};
+    const Made last{.direct_noise = 0.4 * fall, .caustic_noise = 0.4 * fall};
+    const Made other{.direct_noise = 0.12, .caustic_noise = 0.12};
+    const auto share_of_first_maker = [&](const std::vector<ComponentImages>& before, double work) {
+        std::vector<MakerPilot> pilots = {pilot_of(last, 1), pilot_of(other, 2)};
+        for (MakerPilot& pilot : pilots) {
+            pilot.passes = 4;
+            pilot.work *= 4;
+        }
+        pilots[0].first_groups = before;
+        pilots[0].first_passes = 1;
+        const MakerPlan plan = plan_of_least_variance({"a", "b"}, pilots, 0.01, work);
+        return static_cast<double>(plan.shares[0].passes) / (plan.shares[0].passes + plan.shares[1].passes);
+    };
+    const double much = 64 * 4 * reference_groups;
+    EXPECT_EQ(share_of_first_maker({}, much), 0.1);
+    EXPECT_EQ(share_of_first_maker(groups_of(first, 3), much), 0.9);
+    EXPECT_EQ(share_of_first_maker(groups_of(first, 3), 0), 0.1) << "the reference will have few passes";
+    std::vector<ComponentImages> spotted = groups_of(last, 3);
+    for (std::size_t g = 0; g < spotted.size(); ++g)
+        for (Component c : {Component::direct, Component::caustic})
+            for (std::size_t k = 0; k < 3; ++k)
+                spotted[g][c]->rgb[300 + k] += g % 2 ? 100.f : -100.f;
+    EXPECT_EQ(share_of_first_maker(spotted, much), 0.1);
+}
+
 // A maker without noise that lacks light has not found it yet: beyond doubt, or not.
 TEST(MakerPlan, LeavesAComponentToTheMakerThatLacksNone) {
     const MakerPlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
