@@ -247,11 +247,14 @@ int run_experiment(const RunOptions& options, std::ostream& out) {
     if (options.share) return run_share(options, out);
     RunSession run(checked_setup(load_experiment(options.experiment), options), options, FolderUse::alone);
     const bool complete = measure(run, options.fresh);
+    const std::string left =
+        run.log.failures.empty() ? run.what_is_left() : "";  // cells of a share that runs meanwhile
     const std::string report = run.write_results();
     if (!complete) return interrupted(run, options);
     if (!options.quiet)
         out << fmt::format("{}Tables: {}\nReport: {}\n", run.verdict.empty() ? "" : run.verdict + "\n",
                            run.folder.file("table.md"), report);
+    if (!left.empty()) throw RunError(left);
     return run.log.exit_code();
 }
 

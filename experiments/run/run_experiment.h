@@ -15,7 +15,7 @@ namespace gib {
 void check_out(const RunOptions& options);
 
 /// Runs an experiment and returns the exit code: 0 done, 1 a cell or reference failed (stderr says which), 130
-/// interrupted. Complete cells are kept and are in the tables in every case. A share leaves tables to the run without one
+/// interrupted. Throws RunError if a share that began meanwhile has not completed its cells. Complete cells are kept and are in the tables in every case. A share leaves tables to the run without one
 /// that follows it. Throws InputError, before anything is computed or written, if the experiment is wrong.
 int run_experiment(const RunOptions& options, std::ostream& out);
 

@@ -127,6 +127,14 @@ void RunSession::forget_cells() {
     if (forgotten > 0) log.progress.note(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
+std::string RunSession::what_is_left() const {
+    const auto states = list.states(folder);
+    const std::size_t left = left_of(states).size();
+    if (left == 0) return "";
+    return fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left, states.size(),
+                       folder.path());
+}
+
 void RunSession::write_index() { folder.write_index(index_of(*this)); }
 
 std::string RunSession::write_results() {

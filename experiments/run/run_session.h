@@ -17,7 +17,8 @@ namespace gib {
 enum class FolderUse { alone, shared };
 
 struct RunSession {
-    /// Throws InputError if another process works alone in the folder, or if nothing can be written there.
+    /// Throws InputError if nothing can be written in the folder, or if another process works there and this one wants to be alone.
+    /// Shares may still begin beside it; it leaves out the cells that they have taken.
     RunSession(RunSetup checked, const RunOptions& options, FolderUse use);
     RunSession(const RunSession&) = delete;
     RunSession& operator=(const RunSession&) = delete;
@@ -27,6 +28,9 @@ struct RunSession {
     /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does not take them
     /// for fresh ones.
     void forget_cells();
+
+    /// Says how many of the selected cells are not complete; empty: all are.
+    std::string what_is_left() const;
 
     /// Writes the index, without which there are no tables.
     void write_index();

@@ -186,12 +186,9 @@ void measure_cells(const RunOptions& options, RunSession& run) {
 
 void report(RunSession& run, std::ostream& out) {
     const FileLock lock = lock_result_folder(run.folder.path());
-    const auto states = run.list.states(run.folder);
+    const std::string left = run.what_is_left();
     out << "Report: " << run.write_results() << "\n";
-    const std::size_t left = left_of(states).size();
-    if (left > 0)
-        throw RunError(fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left,
-                                   states.size(), run.folder.path()));
+    if (!left.empty()) throw RunError(left);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // of one process.
 
 #include "experiments/results/result_folder.h"
+#include "experiments/system/file_lock.h"
 #include "tests/support/run_fixtures.h"
 
 #include <nlohmann/json.hpp>
@@ -75,6 +76,19 @@ TEST_F(ShareTest, ThatIsKilledLeavesItsCellsToTheNext) {
     write_experiment("[1, 2]");
     EXPECT_EQ(run("--share 1/2").code, 0);
     EXPECT_THAT(names(), UnorderedElementsAre(name_of("path spp=2", 1), name_of("path spp=2", 2)));
+}
+
+// Shares may begin beside a run, which leaves their cells to them, but then has tables without these cells.
+TEST_F(ShareTest, ThatTakesACellOfARunMakesItFail) {
+    write_experiment("[30000, 1]");
+    BackgroundRun whole(path(), "run e.toml --threads 1 --seeds 1");
+    ASSERT_TRUE(comes_true([&] { return fs::exists(results("cells/" + name_of("path spp=30000", 1) + "/work")); }));
+    const std::string taken = results("cells/" + name_of("path spp=1", 1));
+    fs::create_directories(taken);
+    const auto lock = FileLock::if_free(taken + "/.lock");
+    ASSERT_TRUE(lock);
+    EXPECT_EQ(whole.wait(), 1);
+    EXPECT_THAT(whole.said(), HasSubstr("1 of 2 cells are not complete; `gibench status results/e`"));
 }
 
 TEST_F(ShareTest, WhatIsNoShareIsRefused) {
