@@ -117,6 +117,9 @@ RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse us
 void RunSession::make_references() {
     for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
         if (list.has(scene)) references.make(scene);
+    // The index has to keep the cells that other shares have measured meanwhile.
+    for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
+        if (!list.has(scene)) references.read_stored(scene);
     list.use(references);
 }
 

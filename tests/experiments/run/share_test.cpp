@@ -78,6 +78,26 @@ TEST_F(ShareTest, ThatIsKilledLeavesItsCellsToTheNext) {
     EXPECT_THAT(names(), UnorderedElementsAre(name_of("path spp=2", 1), name_of("path spp=2", 2)));
 }
 
+// The index that is written last knows the cells of all shares: the first share has to wait for its reference, while the second
+// one makes another, measures its cell and ends.
+TEST_F(ShareTest, ThatEndsLastKnowsTheCellsOfAllOthers) {
+    write("other.xml", tiny_scene_xml(9));
+    write("e.toml",
+          "scenes = ['tiny.xml', 'other.xml']\n[reference]\ntarget = '40%'\n[[method]]\nname = 'path'\nspp = 4\n");
+    ASSERT_EQ(run("--share 0/2").code, 0);
+    std::string reference;
+    for (const auto& file : fs::directory_iterator(path("results/references")))
+        if (fs::equivalent(file, results("images/tiny-reference.exr"))) reference = file.path();
+    fs::remove_all(results(""));
+    auto lock = FileLock::if_free(reference + ".lock");
+    BackgroundRun first(path(), "run e.toml --threads 1 --share 0/2");
+    ASSERT_TRUE(comes_true([&] { return first.said().find("waiting until it has ended") != std::string::npos; }));
+    ASSERT_EQ(run("--share 1/2").code, 0);
+    lock.reset();
+    EXPECT_EQ(first.wait(), 0) << first.said();
+    EXPECT_THAT(gibench("status results/e"), prints(HasSubstr("done: 2\n")));
+}
+
 // Shares may begin beside a run, which leaves their cells to them, but then has tables without these cells.
 TEST_F(ShareTest, ThatTakesACellOfARunMakesItFail) {
     write_experiment("[30000, 1]");
