@@ -68,8 +68,8 @@ public:
             array.cells.push_back(state.cell->name);
         }
         array.tasks.assign(tasks.begin(), tasks.end());
-        out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete, elsewhere.size(),
-                            wanted);
+        out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete,
+                            states.size() - complete - wanted, wanted);
         std::set<std::uint64_t> before = active_->numbers(cells_job);
         if (wanted > 0) before.insert(submit({cells_job}, {}, array));
         if (wanted > 0 || active_->numbers(report_job).empty()) submit({report_job}, before, {});
