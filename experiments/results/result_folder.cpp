@@ -4,6 +4,7 @@
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/system/file_lock.h"
 #include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
@@ -144,6 +145,8 @@ void ResultFolder::remove_leftovers() const {
         if (entry.path().filename().string().starts_with("command-")) fs::remove_all(entry.path());
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
+        const auto lock = FileLock::if_free(cell.path().string() + "/.lock");
+        if (!lock) continue;
         const std::string name = cell.path().filename().string();
         fs::remove_all(work_folder(name));
         remove_leftovers_in(cell.path().string());

@@ -122,7 +122,8 @@ public:
     /// Makes the folder and its subfolders and checks that files can be made in them. Throws InputError, or RunError
     /// on a full disk.
     void prepare() const;
-    /// Removes what a killed run left unfinished. The caller must have locked the folder.
+    /// Removes what a killed run left unfinished, but nothing of a cell that a share has begun. The caller must have locked the
+    /// folder. A share that begins a command's cell at the same time may still lose its folder, and the cell fails.
     void remove_leftovers() const;
 
     void write_index(const ResultIndex& index) const;
