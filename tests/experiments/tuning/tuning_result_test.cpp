@@ -69,11 +69,18 @@ TEST(TuningResult, BeginsWithTheLabelToPasteAndEndsWithAVerdictOfEachMethod) {
 TEST(TuningResult, SaysHowLongTheDefaultsTake) {
     TuningResult result = example();
     EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: 3.00 (2.92 to 3.08) times as long\n"));
-    result.finals[2].verdict = verdict(3, 32);
-    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: over 6.00 times as long\n"))
-        << "the defaults do not reach the target in 6 s";
+    result.finals[2].verdict = verdict(3, 64);
+    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: over 1.92 times as long\n"))
+        << "the defaults do not reach the target in the 1.92 s that their runs took, whatever their budget was";
     result.finals[2].verdict = {};
     EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: not measured\n"));
+}
+
+TEST(TuningResult, ARunThatChoseItsSettingIsNotCalledFresh) {
+    TuningResult result = example();
+    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), 5 fresh seeds, 95 % interval"));
+    result.finals[0].is_fresh = false;
+    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), by the run that chose it"));
 }
 
 TEST(TuningResult, NamesChangesAndWhatCannotBeToldApart) {
