@@ -262,7 +262,7 @@ private:
             for (const double error : {0.10, 0.05, 0.02, 0.01})
                 if (const Verdict v =
                         verdict_of(cells[static_cast<std::size_t>(best - result_.finals.data())], error, false);
-                    v.state == Verdict::measured)
+                    v.state == Verdict::measured && error != target_)
                     result_.along_the_way.emplace_back(error, v.seconds);
     }
 

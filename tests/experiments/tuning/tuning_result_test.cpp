@@ -228,6 +228,8 @@ TEST_F(TuneRun, EveryMethodHasAVerdict) {
         EXPECT_THAT(lines[i], ContainsRegex("^[a-z_]+ .*spp=[0-9]+: 5% .*(measured|extrapolated|not reachable)"))
             << lines[i];
     EXPECT_THAT(result.out, ContainsRegex("\npath spp=[0-9]+: 5% after .* s, measured"));
+    EXPECT_THAT(result.out, AllOf(HasSubstr("\nseconds to 10 %: "), Not(HasSubstr("\nseconds to 5 %: "))))
+        << "the target has a line already";
 }
 
 TEST_F(TuneRun, FinalRunsHaveSeedsThatChoseNothing) {
