@@ -275,6 +275,14 @@ TEST_F(TuneRun, NamesThePlaceOfAWrongVariation) {
     EXPECT_FALSE(fs::exists(path("results")));
 }
 
+TEST_F(TuneRun, TakesNumbersThatAreNotThoseOfToml) {
+    const ProgramResult result = gibench(
+        "tune tiny.xml --target 60% --minutes 0.1 --out r --vary radius=.05,1. --method 'photon_mapper photons=01000 "
+        "gather=0 area=plain direct_samples=1'");
+    EXPECT_THAT(result.out, HasSubstr("photon_mapper photons=01000 ")) << result.err;
+    EXPECT_THAT(read_file(path("r/table.csv")), HasSubstr("photon_mapper photons=1000 "));
+}
+
 TEST_F(TuneRun, RefusesOptionsOfCells) {
     for (const char* option : {"--seeds 3", "--fresh", "--only nothing"})
         EXPECT_EQ(gibench(std::string("run e.toml ") + option).code, 2);
