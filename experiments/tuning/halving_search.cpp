@@ -78,6 +78,7 @@ private:
     std::optional<Trial> best_by_halving(std::vector<Setting> alive) {
         std::optional<Trial> best;
         while (true) {
+            const double budget = limited_budget();
             const auto round = trials(alive);
             if (round.empty()) return best;
             best = round.front();
@@ -85,7 +86,8 @@ private:
             for (std::size_t i = 0; i < (round.size() + 1) / 2; ++i)
                 if (i == 0 || round[i].time.cost() <= hopeless * best->time.cost()) alive.push_back(round[i].setting);
             budget_ *= 2;
-            if (alive.size() < 2 || !has_time_for(alive.size(), halving_share)) break;
+            // Runs that last no longer than those before would say nothing new.
+            if (alive.size() < 2 || limited_budget() <= budget || !has_time_for(alive.size(), halving_share)) break;
         }
         budget_ /= 2;  // that of the last round
         return best;
