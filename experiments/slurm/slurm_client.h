@@ -1,7 +1,5 @@
 #pragma once
 // The commands of Slurm that gibench calls: sbatch, squeue and scontrol. Slurm alone decides when and where a job runs.
-//
-// Paths in the options of sbatch that take patterns.
 
 #include <cstddef>
 #include <cstdint>

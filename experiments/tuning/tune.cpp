@@ -27,7 +27,8 @@ namespace {
 /// When each part has to end, as shares of the whole time. A reference that does not resolve the target by then goes on; the other
 /// parts then have the same shares of the rest.
 constexpr double reference_end = 0.25, latest_reference_end = 0.5, search_end = 0.6, choice_end = 0.7;
-/// Of what is left then, the final runs of the methods' best settings have this share; defaults and neighbours have the rest.
+/// With the fewest seeds, the final runs of the methods' best settings take at most this share of what is left then. Defaults and
+/// neighbours run only where all seeds of all settings leave time for them.
 constexpr double best_share = 0.7;
 
 /// The search has one seed, the choice among its best settings others, because the best of many settings is partly the luckiest
@@ -35,8 +36,9 @@ constexpr double best_share = 0.7;
 /// short, there are at least fewest_seeds.
 constexpr std::uint64_t search_seed = 1001, first_choice_seed = 1002, choice_seeds = 3, final_seeds = 5,
                         fewest_seeds = 3;
-/// Settings whose time in the search is this many times that of the method's best take part in the choice.
+/// A setting takes part in the choice if its time in the search is at most this many times that of the method's best.
 constexpr double close_enough = 1.3;
+/// Limit on the settings of a method that take part beside its best one.
 constexpr std::size_t most_close = 3;
 /// Runs may take this many times as long as the target is expected to take, because seeds and the load of the machine differ.
 constexpr double ample = 2;
