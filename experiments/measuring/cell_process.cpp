@@ -78,14 +78,14 @@ void measure_cell(const std::string& request_file) {
     with_threads(request.threads, [&] { measure_request(request); });
 }
 
-CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer) {
+CellTiming run_cell_process(const CellRequest& request, const PassObserver& observer) {
     const auto show = [&](const std::string& line) {
         std::istringstream words(line);
         std::uint32_t passes = 0;
         double seconds = 0;
         if (observer && words >> passes >> seconds) observer(passes, seconds);
     };
-    return result_of_child<CellTiming>(program, "measure-cell", request, show);
+    return result_of_child<CellTiming>("measure-cell", request, show);
 }
 
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes) {

@@ -109,7 +109,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
     };
     if (cell.external) {
         const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
-        return run_external_cell(setup_.program, command_cell(*cell.external),
+        return run_external_cell(command_cell(*cell.external),
                                  {.scene_file = scene.entry.path,
                                   .scene_text = in_povray_form ? scene.povray : "",
                                   .seed = identity.seed,
@@ -117,8 +117,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                   .seconds = identity.budget.seconds});
     }
     const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-    CellTiming timing = run_cell_process(setup_.program,
-                                         {.scene_path = scene.entry.path,
+    CellTiming timing = run_cell_process({.scene_path = scene.entry.path,
                                           .resolution = setup_.experiment.resolution,
                                           .folders = setup_.experiment.paths,
                                           .scene_hash = identity.scene_hash,
@@ -130,7 +129,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                           .variance = reads("variance"),
                                           .work_folder = work_folder},
                                          observer);
-    if (cell.filter) filter_checkpoints(setup_.program, command_cell(*cell.filter), timing.measurement);
+    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), timing.measurement);
     return timing;
 }
 

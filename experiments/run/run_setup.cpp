@@ -101,7 +101,6 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
     RunSetup setup{.experiment = std::move(experiment),
                    .threads = options.threads > 0 ? options.threads
                                                   : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
-                   .program = options.program,
                    .command_line = options.command_line,
                    .build = executable_hash()};
     if (options.seeds) setup.experiment.seeds = *options.seeds;

@@ -47,7 +47,7 @@ struct RunScene {
 struct RunSetup {
     Experiment experiment;
     int threads = 1;
-    std::string program, command_line;  ///< RunOptions
+    std::string command_line;           ///< RunOptions::command_line
     std::string build;                  ///< digest of this program
     std::vector<RunScene> scenes = {};  ///< in the experiment's order
     /// The effects and the light that methods leave out, as ResultIndex has them.

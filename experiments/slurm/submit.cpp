@@ -1,6 +1,7 @@
 #include "experiments/slurm/submit.h"
 
 #include "common/core/reject.h"
+#include "experiments/measuring/child_request.h"
 #include "experiments/run/run_session.h"
 #include "experiments/slurm/slurm_jobs.h"
 #include "experiments/system/interrupt.h"
@@ -109,17 +110,15 @@ private:
 
     /// The program with the options of the run.
     std::vector<std::string> command_of_run() const {
-        const std::string& program = options_.program;
-        std::vector<std::string> command = {
-            fs::is_symlink(program) ? fs::read_symlink(program).string() : fs::absolute(program).string(),
-            "run",
-            options_.experiment,
-            "--out",
-            run_.folder.path(),
-            "--threads",
-            std::to_string(run_.setup.threads),
-            "--tasks",
-            std::to_string(slurm_.most_tasks)};
+        std::vector<std::string> command = {fs::read_symlink(own_program).string(),
+                                            "run",
+                                            options_.experiment,
+                                            "--out",
+                                            run_.folder.path(),
+                                            "--threads",
+                                            std::to_string(run_.setup.threads),
+                                            "--tasks",
+                                            std::to_string(slurm_.most_tasks)};
         if (!slurm_.sbatch.empty()) command.insert(command.end(), {"--sbatch", slurm_.sbatch});
         if (options_.seeds) command.insert(command.end(), {"--seeds", std::to_string(*options_.seeds)});
         if (!options_.only.empty()) command.insert(command.end(), {"--only", options_.only});
