@@ -243,7 +243,7 @@ void measure_command(const std::string& request_file) {
     leave_result(request, measured(request));
 }
 
-CellTiming run_external_cell(const CommandCell& cell, const RendererInput& input) {
+CellResult run_external_cell(const CommandCell& cell, const RendererInput& input) {
     const std::string work = absolute(cell.work_folder);
     std::string scene = absolute(input.scene_file);
     if (!input.scene_text.empty()) {
@@ -259,11 +259,11 @@ CellTiming run_external_cell(const CommandCell& cell, const RendererInput& input
     if (input.seconds) values["seconds"] = fmt::format("{}", *input.seconds);
     const auto [image, cost] = image_by_command(cell, "its command", std::move(values));
     write_scratch_exr(checkpoint_image(cell.work_folder, input.spp), {{{"", image}}, {}});
-    CellTiming timing;
-    timing.measurement.checkpoints.push_back(
+    CellResult result;
+    result.measurement.checkpoints.push_back(
         {.passes = input.spp, .seconds = cost.seconds, .counts = {}, .peak_rss_mib = cost.peak_rss_mib});
-    timing.measurement.stages.push_back({"command", cost.seconds});
-    return timing;
+    result.measurement.stages.push_back({"command", cost.seconds});
+    return result;
 }
 
 void filter_checkpoints(const CommandCell& cell, Measurement& measured) {

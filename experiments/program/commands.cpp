@@ -173,13 +173,13 @@ int render(const RenderOptions& options, std::ostream& out) {
     const auto method = chosen.create({loaded.max_edges});
     CheckpointFilter filter(*loaded.scene, options.seed,
                             {.non_local_means = !filter_of(chosen.label).empty(), .features = options.features});
-    const CellWork work{.scene = *loaded.scene,
-                        .method = *method,
-                        .seed = options.seed,
-                        .spp = last_pass(chosen.values, loaded.sample_count),
-                        .budget = {},
-                        .only_last = true,
-                        .filter = filter.does_anything() ? &filter : nullptr};
+    const MeasureWork work{.scene = *loaded.scene,
+                           .method = *method,
+                           .seed = options.seed,
+                           .spp = last_pass(chosen.values, loaded.sample_count),
+                           .budget = {},
+                           .only_last = true,
+                           .filter = filter.does_anything() ? &filter : nullptr};
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;

@@ -92,7 +92,7 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
             record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
 }
 
-CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_folder,
+CellResult CellRunner::render(const WorkCell& cell, const std::string& work_folder,
                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
@@ -117,7 +117,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                   .seconds = identity.budget.seconds});
     }
     const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-    CellTiming timing = run_cell_process({.scene_path = scene.entry.path,
+    CellResult result = run_cell_process({.scene_path = scene.entry.path,
                                           .resolution = setup_.experiment.resolution,
                                           .folders = setup_.experiment.paths,
                                           .scene_hash = identity.scene_hash,
@@ -129,12 +129,12 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                           .variance = reads("variance"),
                                           .work_folder = work_folder},
                                          observer);
-    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), timing.measurement);
-    return timing;
+    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), result.measurement);
+    return result;
 }
 
-Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const {
-    const Measurement& measured = timing.measurement;
+Cell CellRunner::judged(const WorkCell& cell, const CellResult& result, const std::string& work_folder) const {
+    const Measurement& measured = result.measurement;
     Cell record;
     record.scene = cell.identity.scene;
     record.method = cell.identity.method;
@@ -143,7 +143,7 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
     record.build = setup_.build;
     record.processor_seconds = measured.processor_seconds;
     record.waiting_seconds = measured.waiting_seconds;
-    record.load_seconds = timing.load_seconds;
+    record.load_seconds = result.load_seconds;
     record.prepare_seconds = measured.prepare_seconds;
     record.converged = measured.converged;
     record.stages = measured.stages;

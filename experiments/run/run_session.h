@@ -1,6 +1,16 @@
 #pragma once
 // The parts of a run, which are opened in this order. Each kind of run has its own loop over them: a local one, a share of a
 // cluster, a repetition, the rounds of a tuning.
+//
+// The names of a cell, which is one scene with one method and one seed:
+//   CellIdentity  everything that decides its result, and its key (result_folder.h)
+//   WorkCell      its place in the list of what is to be measured (work_list.h)
+//   CellState     the same with its stored record, if it is complete (work_list.h)
+//   CellRequest   the files and settings that its process receives (cell_process.h)
+//   MeasureWork   the loaded scene and the method that the process measures (measure.h)
+//   CellResult    the times that the process, or a command, hands back (cell_process.h)
+//   Cell          the stored record, with errors against the reference (result_folder.h)
+//   ManifestCell  the passes and the image by which it can be repeated (manifest.h)
 
 #include "experiments/run/cell_runner.h"
 #include "experiments/run/references.h"
