@@ -145,9 +145,9 @@ void ResultFolder::remove_leftovers() const {
         if (entry.path().filename().string().starts_with("command-")) fs::remove_all(entry.path());
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
-        const auto lock = FileLock::if_free(cell.path().string() + "/.lock");
-        if (!lock) continue;
         const std::string name = cell.path().filename().string();
+        const auto lock = FileLock::if_free(cell_lock(name));
+        if (!lock) continue;
         fs::remove_all(work_folder(name));
         remove_leftovers_in(cell.path().string());
         remove_leftovers_in((cell.path() / "frames").string());
@@ -194,24 +194,20 @@ ResultIndex ResultFolder::read_index() const {
 }
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
-    json record = cell;
-    record["digest"] = json_digest(record);
-    write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
+    write_sealed_json(cell_record(folder_name), cell);
 }
 
 std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, const std::string& key,
                                             std::string* damage) const {
-    const std::string path = cell_folder(folder_name) + "/cell.json";
+    const std::string path = cell_record(folder_name);
     if (!std::filesystem::exists(path)) return std::nullopt;
     const auto damaged = [&](const std::string& file, const char* how) {
         if (damage) *damage = fmt::format("{}: {}", file, how);
         return std::nullopt;
     };
     try {
-        json j = read_json(path);
-        const std::string digest = j.at("digest");
-        j.erase("digest");
-        if (digest != json_digest(j)) return damaged(path, "its content is not what its digest says");
+        const json j = read_sealed_json(path);
+        if (j.is_null()) return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key) return std::nullopt;
         auto cell = j.get<Cell>();
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");

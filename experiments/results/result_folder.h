@@ -100,6 +100,9 @@ public:
     /// The folder in which the cell's process leaves its results. It is removed when the process has ended.
     std::string work_folder(const std::string& folder_name) const { return cell_folder(folder_name) + "/work"; }
     std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
+    std::string cell_record(const std::string& folder_name) const { return cell_folder(folder_name) + "/cell.json"; }
+    /// The lock of the process that measures the cell.
+    std::string cell_lock(const std::string& folder_name) const { return cell_folder(folder_name) + "/.lock"; }
     /// The message of the cell's last attempt, if it failed.
     std::string failure_file(const std::string& folder_name) const { return cell_folder(folder_name) + "/failure.txt"; }
     /// The map of FLIP of the final image, if there is one.

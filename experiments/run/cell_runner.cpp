@@ -43,7 +43,7 @@ void CellRunner::run(const WorkCell& cell, const PassObserver& observer) {
     try {
         if (cell.identity.reference.empty()) throw RunError("the scene has no reference");
         ResultFolder::make(folder_.cell_folder(cell.name));
-        const auto lock = FileLock::if_free(folder_.cell_folder(cell.name) + "/.lock");
+        const auto lock = FileLock::if_free(folder_.cell_lock(cell.name));
         if (!lock || folder_.read_cell(cell.name, cell.identity.key())) return;
         measure(cell, observer);
     } catch (const Interrupted&) {
@@ -72,12 +72,11 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
         judgement_.emplace(*reference_);
         referred_ = cell.identity.reference;
     }
-    const std::string folder = folder_.cell_folder(cell.name);
     if (cell.has_command() && judgement_->leaves_out_components())
         throw RunError(
             "the reference does not resolve some components, and the image of a command has none, so that the "
             "rest of it cannot be judged");
-    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    fs::remove(folder_.cell_record(cell.name));  // from here on the cell is not complete
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);

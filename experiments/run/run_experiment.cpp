@@ -28,7 +28,7 @@ void say_what_is_kept(const RunSession& run, const std::vector<CellState>& state
             of_other_builds += state.record->build != run.setup.build;
         } else if (!state.damage.empty()) {
             progress.message(fmt::format("warning: {}; the cell is done again", state.damage));
-        } else if (std::filesystem::exists(run.folder.cell_folder(state.cell->name) + "/cell.json")) {
+        } else if (std::filesystem::exists(run.folder.cell_record(state.cell->name))) {
             ++replaced;
         }
     }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 /// Throws InputError if a share of an experiment is measuring a cell in this folder.
 void require_no_share(const ResultFolder& folder) {
     for (const auto& cell : fs::directory_iterator(folder.file("cells")))
-        if (const std::string lock = cell.path().string() + "/.lock"; fs::exists(lock) && !FileLock::if_free(lock))
+        if (const std::string lock = folder.cell_lock(cell.path().filename()); is_locked(lock))
             reject({}, "{} is measuring a share of '{}': wait until it has ended", lock_owner(lock), folder.path());
 }
 
@@ -126,7 +126,7 @@ void RunSession::make_references() {
 void RunSession::forget_cells() {
     std::size_t forgotten = 0;
     for (const WorkCell* cell : list.selected())
-        forgotten += fs::remove(folder.cell_folder(cell->name) + "/cell.json");
+        forgotten += fs::remove(folder.cell_record(cell->name));
     if (forgotten > 0) log.progress.note(fmt::format("cells forgotten that were measured before: {}", forgotten));
 }
 
