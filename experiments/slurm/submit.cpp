@@ -93,7 +93,7 @@ private:
             command.insert(command.end(), {"--share", fmt::format("{}/{}", task_index, array.shares)});
         command.push_back("--job");
         command.insert(command.end(), job.begin(), job.end());
-        const std::uint64_t number = submit_job({.name = "gibench-" + kind,
+        const std::uint64_t number = submit_job({.name = job_name(kind),
                                                  .command = command,
                                                  .tasks = array.tasks,
                                                  .cpus = run_.setup.threads,
