@@ -165,7 +165,7 @@ Measurement measure(const MeasureWork& work, const CheckpointSink& sink, const P
 
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
     if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
-    return static_cast<std::uint32_t>(sample_count.value_or(16));
+    return static_cast<std::uint32_t>(sample_count.value_or(default_sample_count));
 }
 
 }  // namespace gib

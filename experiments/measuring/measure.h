@@ -71,7 +71,10 @@ bool is_checkpoint(std::uint32_t passes);
 Measurement measure(const MeasureWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
                     const WorkObserver& work_observer = {});
 
-/// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
+/// The samples a pixel of a scene that does not say how many.
+inline constexpr int default_sample_count = 16;
+
+/// The number of passes that a cell makes at most: the label's spp, else the scene's sample count or its default.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
 
 }  // namespace gib
