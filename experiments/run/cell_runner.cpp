@@ -4,8 +4,8 @@
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
 #include "experiments/external/commands.h"
-#include "experiments/results/manifest.h"
 #include "experiments/results/pictures.h"
+#include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 
@@ -148,13 +148,13 @@ Cell CellRunner::judged(const WorkCell& cell, const CellResult& result, const st
     record.stages = measured.stages;
     record.cpu = cpu_model();
     const double epsilon = judgement_->epsilon(setup_.experiment.epsilon);
+    LayeredImage image;
     for (const auto& checkpoint : measured.checkpoints) {
-        const LayeredImage image = read_image(checkpoint_image(work_folder, checkpoint.passes));
+        image = read_image(checkpoint_image(work_folder, checkpoint.passes));
         record.checkpoints.push_back({checkpoint, judgement_->errors(image, epsilon)});
         if (keeps_frame(record.seed, checkpoint.passes, measured.checkpoints.back().passes))
             write_frame(folder_, cell.name, checkpoint.passes, judgement_->total_of(image));
     }
-    LayeredImage image = read_image(checkpoint_image(work_folder, record.last().passes));
     image.metadata.clear();
     if (!cell.has_command()) image = layers_of(components_in(image));
     write_exr(folder_.cell_image(cell.name), image);
