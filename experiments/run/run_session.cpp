@@ -8,12 +8,10 @@
 #include "experiments/report/terminal.h"
 #include "experiments/report/words.h"
 #include "experiments/results/manifest.h"
-#include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <iostream>
 
 namespace gib {
 
@@ -95,14 +93,6 @@ ResultIndex index_of(const RunSession& run) {
 
 }  // namespace
 
-int RunLog::exit_code() const {
-    if (failures.empty()) return 0;
-    std::cerr << fmt::format("{} failed:\n", failures.size());
-    for (const Failure& failure : failures)
-        std::cerr << "  " << failure.text() << "\n";
-    return exit_failed;
-}
-
 RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse use)
     : setup(std::move(checked)),
       folder(options.out ? *options.out : result_folder_of(setup.experiment.name)),
@@ -149,23 +139,22 @@ std::string RunSession::write_results() {
                          .cells = manifest_cells(list, folder)};
     write_file(folder.file("manifest.json"), manifest_text(index, manifest));
     std::string report;
-    std::vector<std::string> damage;
-    std::vector<Warning> warnings;
     with_threads(setup.threads, [&] {
         const Analysis analysis = analyse(folder);
-        damage = analysis.damage;
+        std::vector<std::string> damage = analysis.damage;
         link_images(index, folder);
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
         verdict = terminal_verdict(analysis);
-        warnings = analysis.warnings;
+        for (const auto& what : damage)
+            log.progress.message("warning: " + what);
+        for (const Warning& warning : analysis.warnings) {
+            const std::string text = fmt::format("{}: {}{}", warning.scene, warning.sentence, help_of(warning));
+            // A busy machine makes nothing wrong but times.
+            if (warning.kind == Warning::Kind::busy_machine) log.progress.note("note: " + text);
+            else log.progress.message("warning: " + text);
+        }
     });
-    for (const auto& what : damage)
-        log.progress.message("warning: " + what);
-    for (const Warning& warning : warnings)
-        if (warning.kind == Warning::Kind::busy_machine)  // it makes nothing wrong but times
-            log.progress.note(fmt::format("note: {}: {}", warning.scene, warning.sentence + help_of(warning)));
-        else log.progress.message(fmt::format("warning: {}: {}", warning.scene, warning.sentence + help_of(warning)));
     return report;
 }
 
