@@ -49,7 +49,7 @@ void References::read_stored(std::size_t scene) {
 
 std::vector<ReferenceBatch> References::advance(std::size_t scene, std::optional<double> most_own_work) {
     try {
-        if (setup_.scenes[scene].entry.reference_image.empty()) return made(scene, most_own_work);
+        if (setup_.scenes[scene].entry.reference_image.empty()) return make(scene, most_own_work);
         take_given(scene);
     } catch (const Interrupted&) {
         throw;
@@ -72,7 +72,7 @@ ReferenceWork References::work_of(const RunScene& scene, const LoadedScene& load
             .most_own_work = most_own_work};
 }
 
-std::vector<ReferenceBatch> References::made(std::size_t scene, std::optional<double> most_own_work) {
+std::vector<ReferenceBatch> References::make(std::size_t scene, std::optional<double> most_own_work) {
     const RunScene& of = setup_.scenes[scene];
     const LoadedScene loaded = setup_.load(of);
     const ReferenceWork work = work_of(of, loaded, most_own_work);

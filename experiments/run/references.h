@@ -44,7 +44,7 @@ private:
         std::vector<std::string> notes = {};
         bool has_failed = false;
     };
-    std::vector<ReferenceBatch> made(std::size_t scene, std::optional<double> most_own_work);
+    std::vector<ReferenceBatch> make(std::size_t scene, std::optional<double> most_own_work);
     /// Takes the image that the experiment gives.
     void take_given(std::size_t scene);
     ReferenceWork work_of(const RunScene& scene, const LoadedScene& loaded,
