@@ -163,18 +163,18 @@ private:
             const auto& trials = result_.methods[m].trials;
             for (std::size_t i = 0; i <= std::min(most_close, trials.size() - 1); ++i)
                 if (i == 0 || trials[i].time.cost() <= close_enough * trials.front().time.cost())
-                    candidates.push_back({.method = m,
-                                          .setting = trials[i].setting,
-                                          .is_best = true,
-                                          .budget = ample * trials[i].time.cost()});
+                    candidates.push_back(
+                        {.method = m, .setting = trials[i].setting, .budget = ample * trials[i].time.cost()});
         }
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
             if (candidates.size() > 1) estimate(candidate);
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (const FinalSetting& candidate : candidates)
-            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0)
+            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0) {
                 result_.finals.push_back(candidate);
+                result_.finals.back().is_best = true;
+            }
     }
 
     /// The defaults of each method, then the neighbours of the best setting.
