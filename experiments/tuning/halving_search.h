@@ -55,7 +55,7 @@ struct SearchOutcome {
 /// Solution of Numerical and Statistical Problems").
 SearchOutcome search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure);
 
-/// How many times longer than the best a setting may seem to take. A law of a short run is often wrong by a factor of two.
-inline constexpr double hopeless = 4;
+/// Settings of the cover for each axis, besides the defaults.
+inline constexpr std::size_t settings_per_axis = 6;
 
 }  // namespace gib

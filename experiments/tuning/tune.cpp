@@ -112,7 +112,7 @@ private:
         return (seconds() - end_of(choice_end)) / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
     }
     static double weight(const TunedMethod& method) {
-        return 1 + 6.0 * static_cast<double>(method.space.axes().size());
+        return static_cast<double>(1 + settings_per_axis * method.space.axes().size());
     }
 
     void search_method(std::size_t m) {

@@ -113,16 +113,7 @@ std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     return fmt::format("{} times as long{}", with_interval(factor), is_tie ? ", cannot be told from the best" : "");
 }
 
-}  // namespace
-
-const FinalSetting* TuningResult::best() const {
-    const bool any_is_whole = std::ranges::any_of(methods, [](const TunedMethod& m) { return m.left_out.empty(); });
-    for (const FinalSetting& f : finals)
-        if (f.is_best && f.verdict.state == Verdict::measured && !(any_is_whole && !methods[f.method].left_out.empty()))
-            return &f;
-    return nullptr;
-}
-
+/// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
 std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other) {
     if (setting == space.defaults()) return "the defaults";
     std::vector<std::string> words;
@@ -132,6 +123,7 @@ std::string difference(const SearchSpace& space, const Setting& setting, const S
     return fmt::format("{}", fmt::join(words, " "));
 }
 
+/// The lines between the label to paste and the verdicts.
 std::vector<std::string> tuning_lines(const TuningResult& result) {
     const FinalSetting* best = result.best();
     if (!best) return {};
@@ -156,6 +148,16 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
                                             factor_text(f, of_method)));
     }
     return lines;
+}
+
+}  // namespace
+
+const FinalSetting* TuningResult::best() const {
+    const bool any_is_whole = std::ranges::any_of(methods, [](const TunedMethod& m) { return m.left_out.empty(); });
+    for (const FinalSetting& f : finals)
+        if (f.is_best && f.verdict.state == Verdict::measured && !(any_is_whole && !methods[f.method].left_out.empty()))
+            return &f;
+    return nullptr;
 }
 
 std::string tuning_text(const TuningResult& result) {

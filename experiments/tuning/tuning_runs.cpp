@@ -119,7 +119,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     std::optional<double> error;  // of the light that is judged; none: there is none
     const auto start = std::chrono::steady_clock::now();
     for (const double limit : {seconds, most_seconds}) {
-        scene.entry.goal.seconds = reference_seconds_ = limit;
+        scene.entry.goal.seconds = limit;
         session_->make_references();
         if (session_->references.has_failed(0)) throw RunError(session_->log.failures.back().text());
         const Reference reference = read_reference(session_->folder.reference_image(scene.entry.name));
@@ -186,7 +186,6 @@ void TuningRuns::begin_experiment(const std::vector<MethodLabel>& labels, const 
                                   int seeds) {
     open(labels, seeds);
     is_experiment_ = true;
-    session_->setup.scenes.front().entry.goal.seconds = reference_seconds_;
     std::map<std::string, Budget> own;
     for (const WorkCell& cell : session_->list.all())
         for (std::size_t i = 0; i < labels.size(); ++i)

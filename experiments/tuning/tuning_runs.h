@@ -65,7 +65,6 @@ private:
     const TuneFile& file_;
     const ExperimentScene& scene_;
     const RunOptions& options_;
-    double reference_seconds_ = 0;
     std::unique_ptr<RunSession> session_;
     bool is_experiment_ = false;
     std::map<std::string, double> seconds_;  ///< that the reference and each run took, as times.json keeps them
