@@ -388,7 +388,7 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
         ExperimentScene scene;
         scene.path = scene_file(o.scene);
         scene.name = std::filesystem::path(scene.path).stem().string();
-        if (!o.run.out) o.run.out = result_folder_of("tune-" + scene.name);
+        o.run.out = result_folder_of(o.run.out, "tune-" + scene.name);
         return tune(o.file, scene, o.run, std::cout);
     });
 }

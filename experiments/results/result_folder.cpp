@@ -107,7 +107,8 @@ void ResultFolder::make(const std::string& path) {
         reject({}, "cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way");
 }
 
-std::string result_folder_of(const std::string& experiment) {
+std::string result_folder_of(const std::optional<std::string>& out, const std::string& experiment) {
+    if (out) return *out;
     for (const char* taken : {"references", ".", ".."})
         if (experiment == taken)
             reject({},

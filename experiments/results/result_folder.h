@@ -145,9 +145,9 @@ private:
     std::string path_;
 };
 
-/// The default folder for the results of an experiment: results/NAME. Throws InputError for names that would lead out
-/// of results/ or into results/references/.
-std::string result_folder_of(const std::string& experiment);
+/// The folder for the results of an experiment: that of --out, else results/NAME. Throws InputError for names that would lead
+/// out of results/ or into results/references/.
+std::string result_folder_of(const std::optional<std::string>& out, const std::string& experiment);
 
 /// Throws InputError, with the reason, if no file can be made in a folder, or RunError on a full disk. It makes a
 /// file to find out, because permissions do not bind root and do not show that a file system is read-only.

@@ -95,7 +95,7 @@ ResultIndex index_of(const RunSession& run) {
 
 RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse use)
     : setup(std::move(checked)),
-      folder(options.out ? *options.out : result_folder_of(setup.experiment.name)),
+      folder(result_folder_of(options.out, setup.experiment.name)),
       lock(opened(folder, use)),
       references(setup, folder, log),
       list(setup, options.only),

@@ -228,8 +228,7 @@ int run_job(const RunOptions& options, const SlurmOptions& slurm, const std::vec
 }
 
 void require_no_jobs(const RunOptions& options) {
-    const std::string folder =
-        options.out ? *options.out : result_folder_of(fs::path(options.experiment).stem().string());
+    const std::string folder = result_folder_of(options.out, fs::path(options.experiment).stem().string());
     const JobFolder jobs(folder);
     if (!jobs.exists()) return;
     try {

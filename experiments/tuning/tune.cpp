@@ -292,7 +292,7 @@ int run_or_tune(const RunOptions& options, std::ostream& out) {
     if (options.share) reject({}, "--share is for experiments without [tune], whose runs follow from each other");
     check_out(options);
     static_cast<void>(asked_spaces(*file));
-    const std::string folder = options.out ? *options.out : result_folder_of(file->head.name);
+    const std::string folder = result_folder_of(options.out, file->head.name);
     int code = 0;
     bool any = false;
     for (const ExperimentScene& scene : file->head.scenes) {
