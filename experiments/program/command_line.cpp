@@ -11,6 +11,7 @@
 #include "experiments/program/named_files.h"
 #include "experiments/program/run_comparison.h"
 #include "experiments/results/result_folder.h"
+#include "experiments/run/repeat.h"
 #include "experiments/run/run_experiment.h"
 #include "experiments/slurm/status.h"
 #include "experiments/slurm/submit.h"
