@@ -58,6 +58,8 @@ struct ReferenceBatch {
     std::uint32_t number = 0;         ///< decides the seed (batch_seed())
     std::uint32_t passes = 1;         ///< passes that it makes
     std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
+
+    friend bool operator==(const ReferenceBatch&, const ReferenceBatch&) = default;
 };
 
 /// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.

@@ -31,6 +31,8 @@ struct SubmittedJob {
 struct PlannedBatch {
     std::size_t scene = 0;
     ReferenceBatch batch;
+
+    friend bool operator==(const PlannedBatch&, const PlannedBatch&) = default;
 };
 /// The batches of an array job, whose tasks make a share each. Throws InputError if the file is missing or is no list.
 std::vector<PlannedBatch> read_batches(const std::string& path);

@@ -14,7 +14,6 @@
 #include <iostream>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 namespace gib {
 
@@ -136,16 +135,10 @@ private:
     std::size_t largest_ = 1;
 };
 
-bool is_same(const PlannedBatch& a, const PlannedBatch& b) {
-    return std::tie(a.scene, a.batch.maker, a.batch.number, a.batch.passes, a.batch.passes_before) ==
-           std::tie(b.scene, b.batch.maker, b.batch.number, b.batch.passes, b.batch.passes_before);
-}
-
 /// Throws RunError if batches that tasks were to make are still missing: the tasks have failed or were cancelled.
 void require_made(const std::vector<PlannedBatch>& made, const std::vector<PlannedBatch>& missing) {
-    const auto lost = std::ranges::count_if(made, [&](const PlannedBatch& batch) {
-        return std::ranges::any_of(missing, [&](const PlannedBatch& m) { return is_same(batch, m); });
-    });
+    const auto lost =
+        std::ranges::count_if(made, [&](const PlannedBatch& batch) { return std::ranges::count(missing, batch) > 0; });
     if (lost > 0)
         throw RunError(
             fmt::format("{} batches of references were not made; the command that submitted this run makes "
