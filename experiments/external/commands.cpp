@@ -204,26 +204,20 @@ Image image_of(const CommandCell& cell, const char* name, const std::string& fil
     return *image;
 }
 
-/// Starts `program` as that process and returns what it measured. Throws RunError if it cannot be started, and
-/// Interrupted on Ctrl-C, after the command has been killed.
-CommandResult run_command(const std::string& program, const CommandRequest& request) {
-    return result_of_child<CommandResult>(program, "measure-command", request, [](const std::string&) {});
-}
-
 struct CommandImage {
     Image image;
     CommandResult cost;
 };
 
 /// Runs the command with these values of its placeholders, of which `out` is the image that it writes.
-CommandImage image_by_command(const std::string& program, const CommandCell& cell, const char* name,
-                              std::map<std::string, std::string> values) {
+CommandImage image_by_command(const CommandCell& cell, const char* name, std::map<std::string, std::string> values) {
     values["threads"] = std::to_string(cell.threads);
-    const CommandResult cost = run_command(program, {.command = filled_command(cell.method, values),
-                                                     .folder = cell.folder,
-                                                     .timeout = cell.method.timeout,
-                                                     .cell_folder = cell.cell_folder,
-                                                     .work_folder = cell.work_folder});
+    const CommandRequest request{.command = filled_command(cell.method, values),
+                                 .folder = cell.folder,
+                                 .timeout = cell.method.timeout,
+                                 .cell_folder = cell.cell_folder,
+                                 .work_folder = cell.work_folder};
+    const auto cost = result_of_child<CommandResult>("measure-command", request, [](const std::string&) {});
     require_success(cell, name, cost);
     return {image_of(cell, name, values["out"]), cost};
 }
@@ -249,7 +243,7 @@ void measure_command(const std::string& request_file) {
     leave_result(request, measured(request));
 }
 
-CellTiming run_external_cell(const std::string& program, const CommandCell& cell, const RendererInput& input) {
+CellResult run_external_cell(const CommandCell& cell, const RendererInput& input) {
     const std::string work = absolute(cell.work_folder);
     std::string scene = absolute(input.scene_file);
     if (!input.scene_text.empty()) {
@@ -263,22 +257,22 @@ CellTiming run_external_cell(const std::string& program, const CommandCell& cell
                                                  {"width", std::to_string(cell.width)},
                                                  {"height", std::to_string(cell.height)}};
     if (input.seconds) values["seconds"] = fmt::format("{}", *input.seconds);
-    const auto [image, cost] = image_by_command(program, cell, "its command", std::move(values));
+    const auto [image, cost] = image_by_command(cell, "its command", std::move(values));
     write_scratch_exr(checkpoint_image(cell.work_folder, input.spp), {{{"", image}}, {}});
-    CellTiming timing;
-    timing.measurement.checkpoints.push_back(
+    CellResult result;
+    result.measurement.checkpoints.push_back(
         {.passes = input.spp, .seconds = cost.seconds, .counts = {}, .peak_rss_mib = cost.peak_rss_mib});
-    timing.measurement.stages.push_back({"command", cost.seconds});
-    return timing;
+    result.measurement.stages.push_back({"command", cost.seconds});
+    return result;
 }
 
-void filter_checkpoints(const std::string& program, const CommandCell& cell, Measurement& measured) {
+void filter_checkpoints(const CommandCell& cell, Measurement& measured) {
     double last = 0;  // [s]
     for (Checkpoint& checkpoint : measured.checkpoints) {
         const std::string path = checkpoint_image(cell.work_folder, checkpoint.passes);
         auto values = files_of(cell, read_image(path));
         std::filesystem::remove(values["out"]);
-        const auto [filtered, cost] = image_by_command(program, cell, "its filter", std::move(values));
+        const auto [filtered, cost] = image_by_command(cell, "its filter", std::move(values));
         write_scratch_exr(path, {{{"", filtered}}, {}});
         last = cost.seconds;
         checkpoint.seconds += last;

@@ -24,9 +24,9 @@ static auto json_fields(RecordOf<CellRequest> auto& r) {
         JsonField{"features", r.features}, JsonField{"variance", r.variance}, JsonField{"work_folder", r.work_folder});
 }
 
-static auto json_fields(RecordOf<CellTiming> auto& timing) {
-    auto& m = timing.measurement;
-    return std::tuple(JsonField{"load_seconds", timing.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
+static auto json_fields(RecordOf<CellResult> auto& result) {
+    auto& m = result.measurement;
+    return std::tuple(JsonField{"load_seconds", result.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
                       JsonField{"converged", m.converged}, JsonField{"checkpoints", m.checkpoints},
                       JsonField{"stages", m.stages}, JsonField{"processor_seconds", m.processor_seconds},
                       JsonField{"waiting_seconds", m.waiting_seconds});
@@ -48,12 +48,12 @@ void measure_request(const CellRequest& request) {
                             {.non_local_means = filter_of(configured.label) == non_local_means_filter,
                              .features = request.features,
                              .variance = request.variance});
-    const CellWork work{.scene = *loaded.scene,
-                        .method = *method,
-                        .seed = request.seed,
-                        .spp = last_pass(configured.values, loaded.sample_count),
-                        .budget = request.budget,
-                        .filter = filter.does_anything() ? &filter : nullptr};
+    const MeasureWork work{.scene = *loaded.scene,
+                           .method = *method,
+                           .seed = request.seed,
+                           .spp = last_pass(configured.values, loaded.sample_count),
+                           .budget = request.budget,
+                           .filter = filter.does_anything() ? &filter : nullptr};
 
     auto said = clock::now();
     const auto sink = [&](const Checkpoint& checkpoint, const ComponentImages& image) {
@@ -68,7 +68,7 @@ void measure_request(const CellRequest& request) {
         fmt::print("{} {}\n", passes, seconds);
         std::fflush(stdout);
     };
-    leave_result(request, CellTiming{load_seconds, measure(work, sink, observer)});
+    leave_result(request, CellResult{load_seconds, measure(work, sink, observer)});
 }
 
 }  // namespace
@@ -78,14 +78,14 @@ void measure_cell(const std::string& request_file) {
     with_threads(request.threads, [&] { measure_request(request); });
 }
 
-CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer) {
+CellResult run_cell_process(const CellRequest& request, const PassObserver& observer) {
     const auto show = [&](const std::string& line) {
         std::istringstream words(line);
         std::uint32_t passes = 0;
         double seconds = 0;
         if (observer && words >> passes >> seconds) observer(passes, seconds);
     };
-    return result_of_child<CellTiming>(program, "measure-cell", request, show);
+    return result_of_child<CellResult>("measure-cell", request, show);
 }
 
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes) {

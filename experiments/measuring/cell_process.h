@@ -1,7 +1,7 @@
 #pragma once
 // Measures a cell in a process of its own, so that its peak memory is its own and a crash does not end the run.
 //
-// The parent starts the program with the internal subcommand `measure-cell` (child_request.h). The child loads the scene and
+// The parent starts its own program with the internal subcommand `measure-cell` (child_request.h). The child loads the scene and
 // measures the cell. Into the work folder it writes `checkpoint-PASSES.exr` for each checkpoint. To its standard output it
 // prints its progress, `PASSES SECONDS`, at most five times a second.
 
@@ -28,7 +28,7 @@ struct CellRequest {
     std::string work_folder;
 };
 
-struct CellTiming {
+struct CellResult {
     double load_seconds = 0;
     Measurement measurement;
 };
@@ -38,7 +38,7 @@ struct CellTiming {
 void measure_cell(const std::string& request_file);
 
 /// Runs in the parent. `observer` receives the child's progress. Throws as result_of_child() does.
-CellTiming run_cell_process(const std::string& program, const CellRequest& request, const PassObserver& observer = {});
+CellResult run_cell_process(const CellRequest& request, const PassObserver& observer = {});
 
 /// The path of the image that the child writes for a checkpoint.
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes);

@@ -15,16 +15,19 @@
 
 namespace gib {
 
-/// Runs in the parent: starts `program`, waits for it and returns its result. Each line of its standard output is passed to
+/// The file of the running program.
+inline constexpr const char* own_program = "/proc/self/exe";
+
+/// Runs in the parent: starts this program, waits for it and returns its result. Each line of its standard output is passed to
 /// `on_line`. Throws RunError with the child's message if it fails; on Ctrl-C it stops the child and throws Interrupted.
 template <typename Result, typename Request>
-Result result_of_child(const std::string& program, const char* subcommand, const Request& request,
+Result result_of_child(const char* subcommand, const Request& request,
                        const std::function<void(const std::string& line)>& on_line) {
     const std::string file = request.work_folder + "/request.json";
     nlohmann::json j = request;
     j["parent"] = getpid();
     write_file(file, j.dump(1) + "\n");
-    run_child({program, subcommand, file}, on_line);
+    run_child({own_program, subcommand, file}, on_line);
     try {
         const nlohmann::json result = read_json(request.work_folder + "/result.json");
         return result.get<Result>();

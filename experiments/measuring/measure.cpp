@@ -65,7 +65,7 @@ double peak_rss_mib() {
 /// Makes the checkpoints of a measurement.
 class Checkpoints {
 public:
-    Checkpoints(const CellWork& work, const CheckpointSink& sink, Measurement& result)
+    Checkpoints(const MeasureWork& work, const CheckpointSink& sink, Measurement& result)
         : work_(work), sink_(sink), result_(result) {}
 
     /// The time of the last filtering [s], which only its own checkpoint is charged with.
@@ -97,7 +97,7 @@ private:
         return result;
     }
 
-    const CellWork& work_;
+    const MeasureWork& work_;
     const CheckpointSink& sink_;
     Measurement& result_;
     double filtering_ = 0, peak_ = 0;
@@ -112,7 +112,7 @@ bool is_checkpoint(std::uint32_t passes) {
     return passes == 1 || passes == 3;
 }
 
-Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer,
+Measurement measure(const MeasureWork& work, const CheckpointSink& sink, const PassObserver& observer,
                     const WorkObserver& work_observer) {
     const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
     const std::uint32_t least = work.filter ? work.filter->least_passes() : 1;
@@ -165,7 +165,7 @@ Measurement measure(const CellWork& work, const CheckpointSink& sink, const Pass
 
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count) {
     if (values.given("spp")) return static_cast<std::uint32_t>(values.integer("spp"));
-    return static_cast<std::uint32_t>(sample_count.value_or(16));
+    return static_cast<std::uint32_t>(sample_count.value_or(default_sample_count));
 }
 
 }  // namespace gib

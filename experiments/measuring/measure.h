@@ -24,7 +24,7 @@ struct Checkpoint {
     double peak_rss_mib = 0;  ///< largest resident set of this process so far [MiB]
 };
 
-struct CellWork {
+struct MeasureWork {
     const Scene& scene;
     const Method& method;
     std::uint64_t seed;
@@ -68,10 +68,13 @@ bool is_checkpoint(std::uint32_t passes);
 
 /// Runs passes until `spp`, the budget or convergence ends the cell. At least one pass completes, and the last pass
 /// is a checkpoint. A filter may need more passes, which then complete; throws RunError if spp or budget allow fewer.
-Measurement measure(const CellWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
+Measurement measure(const MeasureWork& work, const CheckpointSink& sink, const PassObserver& observer = {},
                     const WorkObserver& work_observer = {});
 
-/// The number of passes that a cell makes at most: the label's spp, else the scene's sample count, else 16.
+/// The samples a pixel of a scene that does not say how many.
+inline constexpr int default_sample_count = 16;
+
+/// The number of passes that a cell makes at most: the label's spp, else the scene's sample count or its default.
 std::uint32_t last_pass(const ParameterValues& values, std::optional<int> sample_count);
 
 }  // namespace gib

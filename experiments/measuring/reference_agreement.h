@@ -46,7 +46,7 @@ ComponentImages block_means(const ComponentImages& images);
 std::optional<BlockTest> disagreement(const std::vector<ComponentImages>& a, const std::vector<ComponentImages>& b,
                                       Component c, double alpha, Differing differing);
 
-/// What two makers, or the pilot of one and the finished reference, disagree about.
+/// A difference in a component between two makers, or between the pilot of one and the finished reference.
 struct Disagreement {
     Component component;
     std::size_t a = 0, b = 0;  ///< the makers; b = a for a pilot

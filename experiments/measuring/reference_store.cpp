@@ -176,22 +176,28 @@ std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint3
     return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
 }
 
-GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash) {
-    GivenReference given{.reference = read_reference(path), .identity = "", .notes = {}};
-    Reference& reference = given.reference;
+Reference read_reference_of(const std::string& path, int width, int height, const std::string& content_hash) {
+    Reference reference = read_reference(path);
     const Image& mean = reference.total.mean;
     if (mean.width != width || mean.height != height)
         reject({path}, "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height, width,
                height);
+    if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
+        !scene.empty() && scene != content_hash)
+        throw InputError({path}, "the reference is that of another scene, or of another version of this one");
+    return reference;
+}
+
+GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash) {
+    GivenReference given{
+        .reference = read_reference_of(path, width, height, content_hash), .identity = "", .notes = {}};
+    Reference& reference = given.reference;
     bool sound = is_sound(reference.total);
     for (const auto& component : reference.components)
         sound = sound && (!component || is_sound(*component));
     if (!sound) throw InputError({path}, "the reference has values that are not finite, or a negative standard error");
-    if (is_black(mean)) throw InputError({path}, "the reference is black, and no error is a share of it");
-    if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
-        !scene.empty() && scene != content_hash)
-        throw InputError({path}, "the reference is that of another scene, or of another version of this one");
-
+    if (is_black(reference.total.mean))
+        throw InputError({path}, "the reference is black, and no error is a share of it");
     // Other attributes are those of the file's own format.
     std::map<std::string, std::string> kept;
     for (const char* key : {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite"})

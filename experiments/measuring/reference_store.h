@@ -58,6 +58,8 @@ struct ReferenceBatch {
     std::uint32_t number = 0;         ///< decides the seed (batch_seed())
     std::uint32_t passes = 1;         ///< passes that it makes
     std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
+
+    friend bool operator==(const ReferenceBatch&, const ReferenceBatch&) = default;
 };
 
 /// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
@@ -90,15 +92,18 @@ private:
     std::string path_;
 };
 
+/// Reads an image as the reference of a scene of this size and content (LoadedScene::content_hash). Throws InputError if it is
+/// missing or damaged, has another size, or says that it is the reference of another scene.
+Reference read_reference_of(const std::string& path, int width, int height, const std::string& content_hash);
+
 struct GivenReference {
     Reference reference;
     std::string identity;            ///< as stored_reference_identity() returns it once the reference is written
     std::vector<std::string> notes;  ///< remarks that tables have to make about it
 };
 
-/// Reads an image as the reference of a scene of this size and content (LoadedScene::content_hash). Without a standard error
-/// (layer `stderr`, or groups) its noise floor is unknown, which a note says. Throws InputError if the image is missing or
-/// damaged, has another size or values that are not finite, or says that it is the reference of another scene.
+/// The same for a run. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
+/// Throws InputError also if the image is black or has values that are not finite.
 GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash);
 
 /// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is written.

@@ -30,12 +30,6 @@ namespace gib {
 
 namespace {
 
-Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
-    const double half = half_width(terms, interval_tail);
-    if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
-    return {value, Interval{value - half, value + half}};
-}
-
 /// The estimate of a positive statistic. The interval is symmetric in the logarithm, so that it stays positive and
 /// follows the skewness of a variance from few replicates. Its upper end is raised by `unseen`.
 Estimate positive_estimate(double value, const std::vector<VarianceTerm>& terms, double unseen) {
@@ -366,6 +360,12 @@ void require_same_size(const Image& image, const Image& reference) {
 }
 
 }  // namespace
+
+Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
+    const double half = half_width(terms, interval_tail);
+    if (!std::isfinite(value) || !std::isfinite(half)) return {value, std::nullopt};
+    return {value, Interval{value - half, value + half}};
+}
 
 Estimate jackknife(double value, const std::vector<double>& without, double tail) {
     const auto n = static_cast<double>(without.size());

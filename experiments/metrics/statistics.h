@@ -3,6 +3,7 @@
 // a method give its bias and its variance, with intervals.
 
 #include "experiments/metrics/denominators.h"
+#include "experiments/metrics/student_t.h"
 
 #include <optional>
 #include <vector>
@@ -33,6 +34,9 @@ struct Estimate {
     double value;
     std::optional<Interval> interval;
 };
+
+/// A value with the 95 % interval that these variances give (half_width()); none if one of them is not known.
+Estimate estimate(double value, const std::vector<VarianceTerm>& terms);
 
 /// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), by Student's t with n - 1
 /// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn. The

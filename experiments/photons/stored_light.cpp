@@ -48,12 +48,12 @@ std::optional<double> radius_of(const ConfiguredMethod& method,
 
 ComponentImages rendered(const EstimateWork& work, const ConfiguredMethod& method, Estimates* own) {
     const auto chosen = method.create({work.scene.max_edges});
-    const CellWork cell{.scene = *work.scene.scene,
-                        .method = *chosen,
-                        .seed = work.seed,
-                        .spp = work.passes,
-                        .budget = {},
-                        .only_last = true};
+    const MeasureWork cell{.scene = *work.scene.scene,
+                           .method = *chosen,
+                           .seed = work.seed,
+                           .spp = work.passes,
+                           .budget = {},
+                           .only_last = true};
     ComponentImages images;
     const auto keep = [&](const Checkpoint&, const ComponentImages& components) { images = components; };
     const Measurement measured = measure(cell, keep, {}, work.observer);

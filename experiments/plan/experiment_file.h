@@ -2,7 +2,7 @@
 // An experiment file says which scenes are rendered with which methods, how often and for how long, and with what
 // references they are compared.
 //
-// The tuning that `gibench tune` is asked for, on its command line or by an experiment file with `[tune]`, which asks for each of its scenes.
+// A tuning is asked for on the command line of `gibench tune`, or for each of its scenes by an experiment file with `[tune]`.
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"

@@ -19,8 +19,7 @@ inline constexpr int default_seeds = 1;
 inline constexpr std::string_view default_tuning_target = "2%";
 inline constexpr double default_tuning_minutes = 20;
 
-/// One of several parts of an experiment, which any machine may run: of the cells in their order, number `index` of each
-/// `count`.
+/// One of several parts of an experiment, which any machine may run: the cells at places p with p mod `count` = `index`.
 struct RunShare {
     std::size_t index = 0, count = 1;
 
@@ -28,16 +27,15 @@ struct RunShare {
 };
 
 struct RunOptions {
-    std::string experiment;                  ///< path of the file
-    std::optional<std::string> out;          ///< folder of the results; else results/<experiment's name>
-    int threads = 0;                         ///< 0: one per processor
-    std::optional<int> seeds;                ///< number of seeds, instead of the file's
-    std::string only;                        ///< keeps only cells whose scene, label or short name contains this
-    bool fresh = false;                      ///< whether complete cells are done again
-    std::string program = "/proc/self/exe";  ///< program that measures a cell
-    std::string command_line;                ///< as typed, for the manifest
-    bool quiet = false;                      ///< no progress, no verdict
-    std::optional<RunShare> share = {};      ///< part that this process runs; none: everything, tables and report too
+    std::string experiment;              ///< path of the file
+    std::optional<std::string> out;      ///< folder of the results; else results/<experiment's name>
+    int threads = 0;                     ///< 0: one per processor
+    std::optional<int> seeds;            ///< number of seeds, instead of the file's
+    std::string only;                    ///< keeps only cells whose scene, label or short name contains this
+    bool fresh = false;                  ///< whether complete cells are done again
+    std::string command_line;            ///< as typed, for the manifest
+    bool quiet = false;                  ///< no progress, no verdict
+    std::optional<RunShare> share = {};  ///< part that this process runs; none: everything, tables and report too
 };
 
 }  // namespace gib

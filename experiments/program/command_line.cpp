@@ -11,6 +11,7 @@
 #include "experiments/program/named_files.h"
 #include "experiments/program/run_comparison.h"
 #include "experiments/results/result_folder.h"
+#include "experiments/run/repeat.h"
 #include "experiments/run/run_experiment.h"
 #include "experiments/slurm/status.h"
 #include "experiments/slurm/submit.h"
@@ -388,7 +389,7 @@ void add_tune(CLI::App& app, Action& action, const std::string& command_line) {
         ExperimentScene scene;
         scene.path = scene_file(o.scene);
         scene.name = std::filesystem::path(scene.path).stem().string();
-        if (!o.run.out) o.run.out = result_folder_of("tune-" + scene.name);
+        o.run.out = result_folder_of(o.run.out, "tune-" + scene.name);
         return tune(o.file, scene, o.run, std::cout);
     });
 }

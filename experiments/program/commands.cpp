@@ -6,6 +6,7 @@
 #include "experiments/filter/checkpoint_filter.h"
 #include "experiments/measuring/measure.h"
 #include "experiments/measuring/reference.h"
+#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/photons/page.h"
 #include "experiments/plan/label_checks.h"
@@ -127,22 +128,6 @@ void warn_of_what_is_not(const CollectedLight& light, const std::string& method,
                             map.not_finite, map.name));
 }
 
-/// Throws InputError if the file is no image of the scene in the size of its film.
-Reference reference_of(const LoadedScene& loaded, const std::string& path) {
-    const Scene& scene = *loaded.scene;
-    Reference reference = read_reference(path);
-    const Image& image = reference.total.mean;
-    if (image.width != scene.sensor().width() || image.height != scene.sensor().height())
-        throw InputError({path},
-                         fmt::format("the reference has {} x {} pixels, but the scene's image {} x {}; --resolution "
-                                     "changes that",
-                                     image.width, image.height, scene.sensor().width(), scene.sensor().height()));
-    const std::string hash = attribute_in(reference.metadata, "scene_hash");
-    if (!hash.empty() && hash != loaded.content_hash)
-        throw InputError({path}, "the reference is of another scene, or of another version of it");
-    return reference;
-}
-
 /// The scene of a file or of a name, with its warnings printed.
 LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOptions& loading) {
     LoadedScene loaded = load_scene(scene_file(scene), loading);
@@ -173,13 +158,13 @@ int render(const RenderOptions& options, std::ostream& out) {
     const auto method = chosen.create({loaded.max_edges});
     CheckpointFilter filter(*loaded.scene, options.seed,
                             {.non_local_means = !filter_of(chosen.label).empty(), .features = options.features});
-    const CellWork work{.scene = *loaded.scene,
-                        .method = *method,
-                        .seed = options.seed,
-                        .spp = last_pass(chosen.values, loaded.sample_count),
-                        .budget = {},
-                        .only_last = true,
-                        .filter = filter.does_anything() ? &filter : nullptr};
+    const MeasureWork work{.scene = *loaded.scene,
+                           .method = *method,
+                           .seed = options.seed,
+                           .spp = last_pass(chosen.values, loaded.sample_count),
+                           .budget = {},
+                           .only_last = true,
+                           .filter = filter.does_anything() ? &filter : nullptr};
     LayeredImage image;
     Measurement measured;
     ProgressLine progress;
@@ -303,7 +288,10 @@ int show_photons(const PhotonsOptions& options, std::ostream& out) {
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
     std::optional<Reference> reference;
-    if (!options.reference.empty()) reference = reference_of(scene, options.reference);
+    if (!options.reference.empty()) {
+        const Sensor& sensor = scene.scene->sensor();
+        reference = read_reference_of(options.reference, sensor.width(), sensor.height(), scene.content_hash);
+    }
     ProgressLine progress;
     const StoredLightWork work{
         .scene = scene,

@@ -10,7 +10,6 @@
 
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 namespace gib {
@@ -56,15 +55,6 @@ std::map<std::string, std::string> machine_in(const nlohmann::json& j) {
 }
 
 }  // namespace
-
-std::string cpu_model() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);) {
-        const std::size_t colon = line.find(": ");
-        if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
-    }
-    return "unknown";
-}
 
 std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     nlohmann::ordered_json j;

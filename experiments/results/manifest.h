@@ -50,7 +50,4 @@ Manifest read_manifest(const std::string& path);
 /// Manifest::machine for this program on this processor.
 std::map<std::string, std::string> this_machine();
 
-/// The processor's name as the system gives it.
-std::string cpu_model();
-
 }  // namespace gib

@@ -58,10 +58,8 @@ bool is_flip(const json& value) {
 json stored_record(const std::string& path, const Image& total, const Image& r_total, const std::string& map) {
     if (!std::filesystem::exists(path)) return nullptr;
     try {
-        json record = read_json(path);
-        const std::string digest = record.at("digest");
-        record.erase("digest");
-        if (digest != json_digest(record) || !is_flip(record.at("flip"))) return nullptr;
+        json record = read_sealed_json(path);
+        if (record.is_null() || !is_flip(record.at("flip"))) return nullptr;
         const json facts = facts_of(total, r_total, map);
         for (const auto& [name, fact] : facts.items())
             if (record.at(name) != fact) return nullptr;
@@ -216,9 +214,7 @@ std::optional<double> cell_flip(const ResultFolder& folder, const std::string& c
         const auto flip = measure_flip(total, r_total, map);
         record = facts_of(total, r_total, map);
         record["flip"] = flip ? json(*flip) : json(nullptr);
-        record["digest"] = json_digest(record);
-        // The record is written last, so that a record implies a complete map.
-        write_file(path, record.dump(1) + "\n");
+        write_sealed_json(path, record);  // last, so that a record implies a complete map
     }
     const json& flip = record["flip"];
     return flip.is_number() ? std::optional(flip.get<double>()) : std::nullopt;

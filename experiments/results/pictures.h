@@ -4,8 +4,8 @@
 // Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
 // the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
 //
-// The FLIP of a complete cell, which is kept beside its image. It is measured once, after all cells are timed, and
-// its time is never charged.
+// The FLIP of a complete cell is kept beside its image. It is measured once, after all cells are timed, and its time is
+// never charged.
 
 #include "common/images/image.h"
 #include "experiments/metrics/flip.h"

@@ -4,6 +4,7 @@
 #include "common/core/reject.h"
 #include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/system/file_lock.h"
 #include "experiments/text/json_record.h"
 
 #include <fmt/format.h>
@@ -106,7 +107,8 @@ void ResultFolder::make(const std::string& path) {
         reject({}, "cannot make the folder '{}': {}", path, error ? error.message() : "a file is in the way");
 }
 
-std::string result_folder_of(const std::string& experiment) {
+std::string result_folder_of(const std::optional<std::string>& out, const std::string& experiment) {
+    if (out) return *out;
     for (const char* taken : {"references", ".", ".."})
         if (experiment == taken)
             reject({},
@@ -145,6 +147,8 @@ void ResultFolder::remove_leftovers() const {
     if (!fs::is_directory(path_ + "/cells")) return;
     for (const auto& cell : fs::directory_iterator(path_ + "/cells")) {
         const std::string name = cell.path().filename().string();
+        const auto lock = FileLock::if_free(cell_lock(name));
+        if (!lock) continue;
         fs::remove_all(work_folder(name));
         remove_leftovers_in(cell.path().string());
         remove_leftovers_in((cell.path() / "frames").string());
@@ -191,24 +195,20 @@ ResultIndex ResultFolder::read_index() const {
 }
 
 void ResultFolder::write_cell(const std::string& folder_name, const Cell& cell) const {
-    json record = cell;
-    record["digest"] = json_digest(record);
-    write_file(cell_folder(folder_name) + "/cell.json", record.dump(1) + "\n");
+    write_sealed_json(cell_record(folder_name), cell);
 }
 
 std::optional<Cell> ResultFolder::read_cell(const std::string& folder_name, const std::string& key,
                                             std::string* damage) const {
-    const std::string path = cell_folder(folder_name) + "/cell.json";
+    const std::string path = cell_record(folder_name);
     if (!std::filesystem::exists(path)) return std::nullopt;
     const auto damaged = [&](const std::string& file, const char* how) {
         if (damage) *damage = fmt::format("{}: {}", file, how);
         return std::nullopt;
     };
     try {
-        json j = read_json(path);
-        const std::string digest = j.at("digest");
-        j.erase("digest");
-        if (digest != json_digest(j)) return damaged(path, "its content is not what its digest says");
+        const json j = read_sealed_json(path);
+        if (j.is_null()) return damaged(path, "its content is not what its digest says");
         if (j.at("key") != key) return std::nullopt;
         auto cell = j.get<Cell>();
         if (cell.checkpoints.empty()) return damaged(path, "it holds no checkpoint");

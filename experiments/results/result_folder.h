@@ -100,6 +100,9 @@ public:
     /// The folder in which the cell's process leaves its results. It is removed when the process has ended.
     std::string work_folder(const std::string& folder_name) const { return cell_folder(folder_name) + "/work"; }
     std::string cell_image(const std::string& folder_name) const { return cell_folder(folder_name) + "/final.exr"; }
+    std::string cell_record(const std::string& folder_name) const { return cell_folder(folder_name) + "/cell.json"; }
+    /// The lock of the process that measures the cell.
+    std::string cell_lock(const std::string& folder_name) const { return cell_folder(folder_name) + "/.lock"; }
     /// The message of the cell's last attempt, if it failed.
     std::string failure_file(const std::string& folder_name) const { return cell_folder(folder_name) + "/failure.txt"; }
     /// The map of FLIP of the final image, if there is one.
@@ -122,7 +125,8 @@ public:
     /// Makes the folder and its subfolders and checks that files can be made in them. Throws InputError, or RunError
     /// on a full disk.
     void prepare() const;
-    /// Removes what a killed run left unfinished. The caller must have locked the folder.
+    /// Removes what a killed run left unfinished, but nothing of a cell that a share has begun. The caller must have locked the
+    /// folder. A share that begins a command's cell at the same time may still lose its folder, and the cell fails.
     void remove_leftovers() const;
 
     void write_index(const ResultIndex& index) const;
@@ -141,9 +145,9 @@ private:
     std::string path_;
 };
 
-/// The default folder for the results of an experiment: results/NAME. Throws InputError for names that would lead out
-/// of results/ or into results/references/.
-std::string result_folder_of(const std::string& experiment);
+/// The folder for the results of an experiment: that of --out, else results/NAME. Throws InputError for names that would lead
+/// out of results/ or into results/references/.
+std::string result_folder_of(const std::optional<std::string>& out, const std::string& experiment);
 
 /// Throws InputError, with the reason, if no file can be made in a folder, or RunError on a full disk. It makes a
 /// file to find out, because permissions do not bind root and do not show that a file system is read-only.

@@ -4,8 +4,8 @@
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
 #include "experiments/external/commands.h"
-#include "experiments/results/manifest.h"
 #include "experiments/results/pictures.h"
+#include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 
@@ -43,7 +43,7 @@ void CellRunner::run(const WorkCell& cell, const PassObserver& observer) {
     try {
         if (cell.identity.reference.empty()) throw RunError("the scene has no reference");
         ResultFolder::make(folder_.cell_folder(cell.name));
-        const auto lock = FileLock::if_free(folder_.cell_folder(cell.name) + "/.lock");
+        const auto lock = FileLock::if_free(folder_.cell_lock(cell.name));
         if (!lock || folder_.read_cell(cell.name, cell.identity.key())) return;
         measure(cell, observer);
     } catch (const Interrupted&) {
@@ -72,12 +72,11 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
         judgement_.emplace(*reference_);
         referred_ = cell.identity.reference;
     }
-    const std::string folder = folder_.cell_folder(cell.name);
     if (cell.has_command() && judgement_->leaves_out_components())
         throw RunError(
             "the reference does not resolve some components, and the image of a command has none, so that the "
             "rest of it cannot be judged");
-    fs::remove(folder + "/cell.json");  // from here on the cell is not complete
+    fs::remove(folder_.cell_record(cell.name));  // from here on the cell is not complete
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);
     forget_frames(folder_, cell.name);
@@ -92,7 +91,7 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
             record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
 }
 
-CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_folder,
+CellResult CellRunner::render(const WorkCell& cell, const std::string& work_folder,
                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
@@ -109,7 +108,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
     };
     if (cell.external) {
         const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
-        return run_external_cell(setup_.program, command_cell(*cell.external),
+        return run_external_cell(command_cell(*cell.external),
                                  {.scene_file = scene.entry.path,
                                   .scene_text = in_povray_form ? scene.povray : "",
                                   .seed = identity.seed,
@@ -117,8 +116,7 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                   .seconds = identity.budget.seconds});
     }
     const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-    CellTiming timing = run_cell_process(setup_.program,
-                                         {.scene_path = scene.entry.path,
+    CellResult result = run_cell_process({.scene_path = scene.entry.path,
                                           .resolution = setup_.experiment.resolution,
                                           .folders = setup_.experiment.paths,
                                           .scene_hash = identity.scene_hash,
@@ -130,12 +128,12 @@ CellTiming CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                           .variance = reads("variance"),
                                           .work_folder = work_folder},
                                          observer);
-    if (cell.filter) filter_checkpoints(setup_.program, command_cell(*cell.filter), timing.measurement);
-    return timing;
+    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), result.measurement);
+    return result;
 }
 
-Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const std::string& work_folder) const {
-    const Measurement& measured = timing.measurement;
+Cell CellRunner::judged(const WorkCell& cell, const CellResult& result, const std::string& work_folder) const {
+    const Measurement& measured = result.measurement;
     Cell record;
     record.scene = cell.identity.scene;
     record.method = cell.identity.method;
@@ -144,19 +142,19 @@ Cell CellRunner::judged(const WorkCell& cell, const CellTiming& timing, const st
     record.build = setup_.build;
     record.processor_seconds = measured.processor_seconds;
     record.waiting_seconds = measured.waiting_seconds;
-    record.load_seconds = timing.load_seconds;
+    record.load_seconds = result.load_seconds;
     record.prepare_seconds = measured.prepare_seconds;
     record.converged = measured.converged;
     record.stages = measured.stages;
     record.cpu = cpu_model();
     const double epsilon = judgement_->epsilon(setup_.experiment.epsilon);
+    LayeredImage image;
     for (const auto& checkpoint : measured.checkpoints) {
-        const LayeredImage image = read_image(checkpoint_image(work_folder, checkpoint.passes));
+        image = read_image(checkpoint_image(work_folder, checkpoint.passes));
         record.checkpoints.push_back({checkpoint, judgement_->errors(image, epsilon)});
         if (keeps_frame(record.seed, checkpoint.passes, measured.checkpoints.back().passes))
             write_frame(folder_, cell.name, checkpoint.passes, judgement_->total_of(image));
     }
-    LayeredImage image = read_image(checkpoint_image(work_folder, record.last().passes));
     image.metadata.clear();
     if (!cell.has_command()) image = layers_of(components_in(image));
     write_exr(folder_.cell_image(cell.name), image);

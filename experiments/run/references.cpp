@@ -31,22 +31,25 @@ std::map<std::string, std::vector<std::string>> stored_notes(const ResultFolder&
 }  // namespace
 
 References::References(const RunSetup& setup, const ResultFolder& folder, RunLog& log)
-    : setup_(setup), folder_(folder), log_(log) {
-    const auto notes = stored_notes(folder);
-    for (const RunScene& scene : setup.scenes) {
-        const std::string image = folder.reference_image(scene.entry.name);
-        Entry& entry = entries_.emplace_back(Entry{.identity = stored_reference_identity(image)});
-        if (const auto found = notes.find(entry.identity); found != notes.end()) entry.notes = found->second;
-        if (entry.identity.empty() && fs::exists(image))
-            log.progress.message(
-                fmt::format("warning: {} is damaged; without a new reference, no cell of {} is in the tables", image,
-                            scene.entry.name));
+    : setup_(setup), folder_(folder), log_(log), entries_(setup.scenes.size()) {
+    for (std::size_t scene = 0; scene < entries_.size(); ++scene) {
+        read_stored(scene);
+        const std::string& name = setup.scenes[scene].entry.name;
+        const std::string image = folder.reference_image(name);
+        if (entries_[scene].identity.empty() && fs::exists(image))
+            log.progress.message(fmt::format(
+                "warning: {} is damaged; without a new reference, no cell of {} is in the tables", image, name));
     }
+}
+
+void References::read_stored(std::size_t scene) {
+    const std::string identity = stored_reference_identity(folder_.reference_image(setup_.scenes[scene].entry.name));
+    entries_[scene] = {.identity = identity, .notes = stored_notes(folder_)[identity]};
 }
 
 std::vector<ReferenceBatch> References::advance(std::size_t scene, std::optional<double> most_own_work) {
     try {
-        if (setup_.scenes[scene].entry.reference_image.empty()) return made(scene, most_own_work);
+        if (setup_.scenes[scene].entry.reference_image.empty()) return make(scene, most_own_work);
         take_given(scene);
     } catch (const Interrupted&) {
         throw;
@@ -69,7 +72,7 @@ ReferenceWork References::work_of(const RunScene& scene, const LoadedScene& load
             .most_own_work = most_own_work};
 }
 
-std::vector<ReferenceBatch> References::made(std::size_t scene, std::optional<double> most_own_work) {
+std::vector<ReferenceBatch> References::make(std::size_t scene, std::optional<double> most_own_work) {
     const RunScene& of = setup_.scenes[scene];
     const LoadedScene loaded = setup_.load(of);
     const ReferenceWork work = work_of(of, loaded, most_own_work);

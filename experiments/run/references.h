@@ -17,6 +17,9 @@ public:
     /// Takes over what the folder has: scenes that this run does not reach keep the references of their stored cells.
     References(const RunSetup& setup, const ResultFolder& folder, RunLog& log);
 
+    /// Takes over the reference that the folder has now, which may be the work of another share; none if it has no intact one.
+    void read_stored(std::size_t scene);
+
     /// The identity of a scene's reference, by its place in RunSetup::scenes; empty: there is none.
     const std::string& identity(std::size_t scene) const { return entries_[scene].identity; }
     /// Remarks that tables have to make about it.
@@ -41,7 +44,7 @@ private:
         std::vector<std::string> notes = {};
         bool has_failed = false;
     };
-    std::vector<ReferenceBatch> made(std::size_t scene, std::optional<double> most_own_work);
+    std::vector<ReferenceBatch> make(std::size_t scene, std::optional<double> most_own_work);
     /// Takes the image that the experiment gives.
     void take_given(std::size_t scene);
     ReferenceWork work_of(const RunScene& scene, const LoadedScene& loaded,

@@ -8,12 +8,10 @@
 #include "experiments/report/terminal.h"
 #include "experiments/report/words.h"
 #include "experiments/results/manifest.h"
-#include "experiments/system/interrupt.h"
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <iostream>
 
 namespace gib {
 
@@ -24,7 +22,7 @@ namespace fs = std::filesystem;
 /// Throws InputError if a share of an experiment is measuring a cell in this folder.
 void require_no_share(const ResultFolder& folder) {
     for (const auto& cell : fs::directory_iterator(folder.file("cells")))
-        if (const std::string lock = cell.path().string() + "/.lock"; fs::exists(lock) && !FileLock::if_free(lock))
+        if (const std::string lock = folder.cell_lock(cell.path().filename()); is_locked(lock))
             reject({}, "{} is measuring a share of '{}': wait until it has ended", lock_owner(lock), folder.path());
 }
 
@@ -95,17 +93,9 @@ ResultIndex index_of(const RunSession& run) {
 
 }  // namespace
 
-int RunLog::exit_code() const {
-    if (failures.empty()) return 0;
-    std::cerr << fmt::format("{} failed:\n", failures.size());
-    for (const Failure& failure : failures)
-        std::cerr << "  " << failure.text() << "\n";
-    return exit_failed;
-}
-
 RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse use)
     : setup(std::move(checked)),
-      folder(options.out ? *options.out : result_folder_of(setup.experiment.name)),
+      folder(result_folder_of(options.out, setup.experiment.name)),
       lock(opened(folder, use)),
       references(setup, folder, log),
       list(setup, options.only),
@@ -117,14 +107,25 @@ RunSession::RunSession(RunSetup checked, const RunOptions& options, FolderUse us
 void RunSession::make_references() {
     for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
         if (list.has(scene)) references.make(scene);
+    // The index has to keep the cells that other shares have measured meanwhile.
+    for (std::size_t scene = 0; scene < setup.scenes.size(); ++scene)
+        if (!list.has(scene)) references.read_stored(scene);
     list.use(references);
 }
 
 void RunSession::forget_cells() {
     std::size_t forgotten = 0;
     for (const WorkCell* cell : list.selected())
-        forgotten += fs::remove(folder.cell_folder(cell->name) + "/cell.json");
+        forgotten += fs::remove(folder.cell_record(cell->name));
     if (forgotten > 0) log.progress.note(fmt::format("cells forgotten that were measured before: {}", forgotten));
+}
+
+std::string RunSession::what_is_left() const {
+    const auto states = list.states(folder);
+    const std::size_t left = left_of(states).size();
+    if (left == 0) return "";
+    return fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left, states.size(),
+                       folder.path());
 }
 
 void RunSession::write_index() { folder.write_index(index_of(*this)); }
@@ -138,23 +139,22 @@ std::string RunSession::write_results() {
                          .cells = manifest_cells(list, folder)};
     write_file(folder.file("manifest.json"), manifest_text(index, manifest));
     std::string report;
-    std::vector<std::string> damage;
-    std::vector<Warning> warnings;
     with_threads(setup.threads, [&] {
         const Analysis analysis = analyse(folder);
-        damage = analysis.damage;
+        std::vector<std::string> damage = analysis.damage;
         link_images(index, folder);
         write_tables(analysis, folder);
         report = write_report(analysis, folder, &damage);
         verdict = terminal_verdict(analysis);
-        warnings = analysis.warnings;
+        for (const auto& what : damage)
+            log.progress.message("warning: " + what);
+        for (const Warning& warning : analysis.warnings) {
+            const std::string text = fmt::format("{}: {}{}", warning.scene, warning.sentence, help_of(warning));
+            // A busy machine makes nothing wrong but times.
+            if (warning.kind == Warning::Kind::busy_machine) log.progress.note("note: " + text);
+            else log.progress.message("warning: " + text);
+        }
     });
-    for (const auto& what : damage)
-        log.progress.message("warning: " + what);
-    for (const Warning& warning : warnings)
-        if (warning.kind == Warning::Kind::busy_machine)  // it makes nothing wrong but times
-            log.progress.note(fmt::format("note: {}: {}", warning.scene, warning.sentence + help_of(warning)));
-        else log.progress.message(fmt::format("warning: {}: {}", warning.scene, warning.sentence + help_of(warning)));
     return report;
 }
 

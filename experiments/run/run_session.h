@@ -1,6 +1,16 @@
 #pragma once
 // The parts of a run, which are opened in this order. Each kind of run has its own loop over them: a local one, a share of a
 // cluster, a repetition, the rounds of a tuning.
+//
+// The names of a cell, which is one scene with one method and one seed:
+//   CellIdentity  everything that decides its result, and its key (result_folder.h)
+//   WorkCell      its place in the list of what is to be measured (work_list.h)
+//   CellState     the same with its stored record, if it is complete (work_list.h)
+//   CellRequest   the files and settings that its process receives (cell_process.h)
+//   MeasureWork   the loaded scene and the method that the process measures (measure.h)
+//   CellResult    the times that the process, or a command, hands back (cell_process.h)
+//   Cell          the stored record, with errors against the reference (result_folder.h)
+//   ManifestCell  the passes and the image by which it can be repeated (manifest.h)
 
 #include "experiments/run/cell_runner.h"
 #include "experiments/run/references.h"
@@ -17,7 +27,8 @@ namespace gib {
 enum class FolderUse { alone, shared };
 
 struct RunSession {
-    /// Throws InputError if another process works alone in the folder, or if nothing can be written there.
+    /// Throws InputError if nothing can be written in the folder, or if another process works there and this one wants to be alone.
+    /// Shares may still begin beside it; it leaves out the cells that they have taken.
     RunSession(RunSetup checked, const RunOptions& options, FolderUse use);
     RunSession(const RunSession&) = delete;
     RunSession& operator=(const RunSession&) = delete;
@@ -27,6 +38,9 @@ struct RunSession {
     /// Deletes the records of the selected cells at once, so that a run which continues after an interruption does not take them
     /// for fresh ones.
     void forget_cells();
+
+    /// Says how many of the selected cells are not complete; empty: all are.
+    std::string what_is_left() const;
 
     /// Writes the index, without which there are no tables.
     void write_index();

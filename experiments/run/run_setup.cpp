@@ -5,6 +5,7 @@
 #include "common/scene/scene.h"
 #include "experiments/external/povray_scene.h"
 #include "experiments/system/build_info.h"
+#include "experiments/system/interrupt.h"
 #include "experiments/system/progress.h"
 #include "methods/method.h"
 #include "methods/path/lit_spots.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iostream>
 #include <limits>
 #include <thread>
 
@@ -76,6 +78,14 @@ void require_a_cell(const RunSetup& setup, const std::string& only) {
 
 }  // namespace
 
+int RunLog::exit_code() const {
+    if (failures.empty()) return 0;
+    std::cerr << fmt::format("{} failed:\n", failures.size());
+    for (const Failure& failure : failures)
+        std::cerr << "  " << failure.text() << "\n";
+    return exit_failed;
+}
+
 LoadedScene RunSetup::load(const RunScene& scene) const {
     LoadedScene loaded = load_scene(scene.entry.path, loading_of(experiment));
     if (loaded.content_hash != scene.content_hash)
@@ -101,7 +111,6 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
     RunSetup setup{.experiment = std::move(experiment),
                    .threads = options.threads > 0 ? options.threads
                                                   : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
-                   .program = options.program,
                    .command_line = options.command_line,
                    .build = executable_hash()};
     if (options.seeds) setup.experiment.seeds = *options.seeds;

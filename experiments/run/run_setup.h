@@ -1,5 +1,5 @@
 #pragma once
-// What a run has read and checked before it computes anything: the experiment, the facts about its scenes, and what the
+// A run reads and checks all of this before it computes anything: the experiment, the facts about its scenes, and what the
 // methods leave out in them.
 
 #include "common/reader/scene_file.h"
@@ -47,10 +47,10 @@ struct RunScene {
 struct RunSetup {
     Experiment experiment;
     int threads = 1;
-    std::string program, command_line;  ///< RunOptions
+    std::string command_line;           ///< RunOptions::command_line
     std::string build;                  ///< digest of this program
     std::vector<RunScene> scenes = {};  ///< in the experiment's order
-    /// What the methods leave out, as ResultIndex has it.
+    /// The effects and the light that methods leave out, as ResultIndex has them.
     std::map<std::pair<std::string, std::string>, LeftOut> left_out = {};
 
     /// Loads a scene again. Only one is in memory at a time. Throws RunError if it was changed since it was checked.

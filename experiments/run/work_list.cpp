@@ -1,13 +1,10 @@
 #include "experiments/run/work_list.h"
 
-#include "common/images/image_digest.h"
-#include "common/images/image_file.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace gib {
 
@@ -16,7 +13,7 @@ namespace {
 /// The samples a pixel of a cell of another renderer; 1 if its command does not take them.
 std::uint32_t passes_of(const ExternalMethod& external, const std::optional<int>& sample_count) {
     if (!external.takes("spp")) return 1;
-    return external.spp ? *external.spp : static_cast<std::uint32_t>(sample_count.value_or(16));
+    return external.spp ? *external.spp : static_cast<std::uint32_t>(sample_count.value_or(default_sample_count));
 }
 
 }  // namespace
@@ -109,8 +106,7 @@ std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolde
                                 .method = stored->method,
                                 .seed = stored->seed,
                                 .passes = stored->last().passes,
-                                .image = stored->image.empty() ? image_digest(read_image(folder.cell_image(cell.name)))
-                                                               : stored->image});
+                                .image = stored->image});
     return complete;
 }
 

@@ -35,7 +35,7 @@ struct CellState {
 /// The cells that are not complete.
 std::vector<const WorkCell*> left_of(const std::vector<CellState>& states);
 
-/// The cell of a label; all others of a list are made like it.
+/// The cell of a label. WorkList makes its cells with this function.
 WorkCell work_cell(const RunSetup& setup, std::size_t scene, const MethodLabel& label, std::uint64_t seed);
 
 class WorkList {
@@ -46,7 +46,7 @@ public:
 
     /// Keeps only the cells of these names, each with a budget of its own instead of the experiment's.
     void keep(const std::map<std::string, Budget>& budgets);
-    /// Of the selected cells, every share.count-th stays selected.
+    /// Keeps the selection of the cells of this share alone.
     void select(const RunShare& share);
     /// The references with which cells are judged; without one, a cell cannot be complete.
     void use(const References& references);

@@ -71,7 +71,9 @@ std::size_t largest_array() {
         std::istringstream words(line);
         std::string key, equals;
         std::size_t value = 0;
-        if (words >> key >> equals >> value && key == "MaxArraySize") return value;
+        if (!(words >> key >> equals >> value) || key != "MaxArraySize") continue;
+        if (value == 0) throw RunError("this Slurm takes no array jobs: its MaxArraySize is 0");
+        return value;
     }
     throw RunError("'scontrol show config' does not say MaxArraySize");
 }

@@ -1,7 +1,5 @@
 #pragma once
 // The commands of Slurm that gibench calls: sbatch, squeue and scontrol. Slurm alone decides when and where a job runs.
-//
-// Paths in the options of sbatch that take patterns.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +30,8 @@ struct SlurmJob {
 /// Throws InputError, with what to do, unless Slurm's commands are on the PATH.
 void require_slurm();
 
-/// The largest number of tasks in an array job: MaxArraySize of `scontrol show config`. Throws RunError.
+/// The largest number of tasks in an array job: MaxArraySize of `scontrol show config`. Throws RunError, also
+/// if Slurm takes none.
 std::size_t largest_array();
 
 /// All jobs of this user that have not ended. Throws RunError.

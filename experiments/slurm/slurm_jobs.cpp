@@ -63,7 +63,7 @@ std::string JobFolder::add_batches(const std::vector<PlannedBatch>& batches) con
 }
 
 std::string JobFolder::log_of_task(const SubmittedJob& job, std::size_t task) const {
-    return fmt::format("{}/gibench-{}-{}_{}.txt", path_, job.kind, job.number, task);
+    return fmt::format("{}/{}-{}_{}.txt", path_, job_name(job.kind), job.number, task);
 }
 
 ActiveJobs::ActiveJobs(const std::vector<SubmittedJob>& jobs) {

@@ -17,6 +17,9 @@ namespace gib {
 inline constexpr const char *batches_job = "batches", *references_job = "references", *cells_job = "cells",
                             *report_job = "report";
 
+/// The name of a job of this kind in Slurm and in the names of its logs.
+inline std::string job_name(const std::string& kind) { return "gibench-" + kind; }
+
 struct SubmittedJob {
     std::string kind;
     std::uint64_t number = 0;
@@ -28,6 +31,8 @@ struct SubmittedJob {
 struct PlannedBatch {
     std::size_t scene = 0;
     ReferenceBatch batch;
+
+    friend bool operator==(const PlannedBatch&, const PlannedBatch&) = default;
 };
 /// The batches of an array job, whose tasks make a share each. Throws InputError if the file is missing or is no list.
 std::vector<PlannedBatch> read_batches(const std::string& path);

@@ -31,8 +31,6 @@ struct Work {
     std::string warning;
 };
 
-bool is_locked(const std::string& lock) { return fs::exists(lock) && !FileLock::if_free(lock); }
-
 Work work_in(const std::string& folder) {
     Work work;
     const JobFolder jobs(folder);
@@ -52,7 +50,7 @@ Work work_in(const std::string& folder) {
 State state_of(const ResultFolder& folder, const std::string& name, const ResultIndex& index, const Work& work) {
     const auto key = index.cell_keys.find(name);
     if (key != index.cell_keys.end() && folder.read_cell(name, key->second)) return done;
-    if (is_locked(folder.cell_folder(name) + "/.lock")) return running;
+    if (is_locked(folder.cell_lock(name))) return running;
     if (work.cells.count(name) > 0) return waiting;
     if (fs::exists(folder.failure_file(name))) return failed;
     return work.more_to_come ? waiting : missing;

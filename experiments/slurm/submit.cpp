@@ -1,6 +1,7 @@
 #include "experiments/slurm/submit.h"
 
 #include "common/core/reject.h"
+#include "experiments/measuring/child_request.h"
 #include "experiments/run/run_session.h"
 #include "experiments/slurm/slurm_jobs.h"
 #include "experiments/system/interrupt.h"
@@ -13,7 +14,6 @@
 #include <iostream>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 namespace gib {
 
@@ -68,8 +68,8 @@ public:
             array.cells.push_back(state.cell->name);
         }
         array.tasks.assign(tasks.begin(), tasks.end());
-        out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete, elsewhere.size(),
-                            wanted);
+        out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete,
+                            states.size() - complete - wanted, wanted);
         std::set<std::uint64_t> before = active_->numbers(cells_job);
         if (wanted > 0) before.insert(submit({cells_job}, {}, array));
         if (wanted > 0 || active_->numbers(report_job).empty()) submit({report_job}, before, {});
@@ -92,7 +92,7 @@ private:
             command.insert(command.end(), {"--share", fmt::format("{}/{}", task_index, array.shares)});
         command.push_back("--job");
         command.insert(command.end(), job.begin(), job.end());
-        const std::uint64_t number = submit_job({.name = "gibench-" + kind,
+        const std::uint64_t number = submit_job({.name = job_name(kind),
                                                  .command = command,
                                                  .tasks = array.tasks,
                                                  .cpus = run_.setup.threads,
@@ -109,17 +109,15 @@ private:
 
     /// The program with the options of the run.
     std::vector<std::string> command_of_run() const {
-        const std::string& program = options_.program;
-        std::vector<std::string> command = {
-            fs::is_symlink(program) ? fs::read_symlink(program).string() : fs::absolute(program).string(),
-            "run",
-            options_.experiment,
-            "--out",
-            run_.folder.path(),
-            "--threads",
-            std::to_string(run_.setup.threads),
-            "--tasks",
-            std::to_string(slurm_.most_tasks)};
+        std::vector<std::string> command = {fs::read_symlink(own_program).string(),
+                                            "run",
+                                            options_.experiment,
+                                            "--out",
+                                            run_.folder.path(),
+                                            "--threads",
+                                            std::to_string(run_.setup.threads),
+                                            "--tasks",
+                                            std::to_string(slurm_.most_tasks)};
         if (!slurm_.sbatch.empty()) command.insert(command.end(), {"--sbatch", slurm_.sbatch});
         if (options_.seeds) command.insert(command.end(), {"--seeds", std::to_string(*options_.seeds)});
         if (!options_.only.empty()) command.insert(command.end(), {"--only", options_.only});
@@ -137,16 +135,10 @@ private:
     std::size_t largest_ = 1;
 };
 
-bool is_same(const PlannedBatch& a, const PlannedBatch& b) {
-    return std::tie(a.scene, a.batch.maker, a.batch.number, a.batch.passes, a.batch.passes_before) ==
-           std::tie(b.scene, b.batch.maker, b.batch.number, b.batch.passes, b.batch.passes_before);
-}
-
 /// Throws RunError if batches that tasks were to make are still missing: the tasks have failed or were cancelled.
 void require_made(const std::vector<PlannedBatch>& made, const std::vector<PlannedBatch>& missing) {
-    const auto lost = std::ranges::count_if(made, [&](const PlannedBatch& batch) {
-        return std::ranges::any_of(missing, [&](const PlannedBatch& m) { return is_same(batch, m); });
-    });
+    const auto lost =
+        std::ranges::count_if(made, [&](const PlannedBatch& batch) { return std::ranges::count(missing, batch) > 0; });
     if (lost > 0)
         throw RunError(
             fmt::format("{} batches of references were not made; the command that submitted this run makes "
@@ -186,12 +178,9 @@ void measure_cells(const RunOptions& options, RunSession& run) {
 
 void report(RunSession& run, std::ostream& out) {
     const FileLock lock = lock_result_folder(run.folder.path());
-    const auto states = run.list.states(run.folder);
+    const std::string left = run.what_is_left();
     out << "Report: " << run.write_results() << "\n";
-    const std::size_t left = left_of(states).size();
-    if (left > 0)
-        throw RunError(fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left,
-                                   states.size(), run.folder.path()));
+    if (!left.empty()) throw RunError(left);
 }
 
 }  // namespace
@@ -232,8 +221,7 @@ int run_job(const RunOptions& options, const SlurmOptions& slurm, const std::vec
 }
 
 void require_no_jobs(const RunOptions& options) {
-    const std::string folder =
-        options.out ? *options.out : result_folder_of(fs::path(options.experiment).stem().string());
+    const std::string folder = result_folder_of(options.out, fs::path(options.experiment).stem().string());
     const JobFolder jobs(folder);
     if (!jobs.exists()) return;
     try {

@@ -1,5 +1,5 @@
 #pragma once
-// The commit, the compiler, the flags and the libraries that this program was built with.
+// The commit, the compiler, the flags and the libraries that this program was built with, and the processor.
 
 #include <string>
 #include <utility>
@@ -28,5 +28,8 @@ std::string shipped_folder(const std::string& name);
 
 /// SHA-1 of the running program's file, so that cells of different builds are not silently mixed.
 std::string executable_hash();
+
+/// The processor's name as the system gives it.
+std::string cpu_model();
 
 }  // namespace gib

@@ -125,7 +125,7 @@ void run_child(const std::vector<std::string>& arguments, const std::function<vo
 
 void die_with_parent(int parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (parent != 0 && getppid() != parent) throw RunError("the run that started this process has ended");
+    if (getppid() != parent) throw RunError("the run that started this process has ended");
 }
 
 }  // namespace gib

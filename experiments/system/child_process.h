@@ -13,7 +13,7 @@ namespace gib {
 void run_child(const std::vector<std::string>& arguments, const std::function<void(const std::string& line)>& on_line);
 
 /// Makes the kernel end this process when its parent dies, so that no cell goes on without its run. Throws RunError
-/// if the parent is not the process `parent`, which then has died already; 0 accepts any parent.
-void die_with_parent(int parent = 0);
+/// if the parent is not the process `parent`, which then has died already.
+void die_with_parent(int parent);
 
 }  // namespace gib

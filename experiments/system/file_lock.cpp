@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 
 namespace gib {
@@ -42,6 +43,8 @@ FileLock::FileLock(FileLock&& other) noexcept : path_(std::exchange(other.path_,
 FileLock::~FileLock() {
     if (!path_.empty()) ::unlink(path_.c_str());
 }
+
+bool is_locked(const std::string& path) { return std::filesystem::exists(path) && !FileLock::if_free(path); }
 
 std::string lock_owner(const std::string& path) {
     try {

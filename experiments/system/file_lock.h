@@ -28,6 +28,9 @@ private:
     Descriptor file_;
 };
 
+/// Whether a process has this lock.
+bool is_locked(const std::string& path);
+
 /// The owner of a lock as text: "process 1234", or "another process" if the file does not hold a pid.
 std::string lock_owner(const std::string& path);
 

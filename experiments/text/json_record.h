@@ -56,9 +56,12 @@ void read_json_field(const nlohmann::json& j, const JsonField<T>& field) {
 /// The file's content. Throws nlohmann::json::parse_error if it is not JSON, InputError if it cannot be read.
 nlohmann::json read_json(const std::string& path);
 
-/// SHA-1 of a record's text. The text is the same for a record that was written and read again, because numbers are
-/// read exactly and keys are sorted.
-std::string json_digest(const nlohmann::json& record);
+/// Writes a record with SHA-1 of its text. The text is the same for a record that was written and read again, because
+/// numbers are read exactly and keys are sorted.
+void write_sealed_json(const std::string& path, nlohmann::json record);
+/// The record in such a file; null if its content is not what its digest says. Throws nlohmann::json::exception if it holds
+/// none, and InputError.
+nlohmann::json read_sealed_json(const std::string& path);
 
 }  // namespace gib
 

@@ -7,8 +7,8 @@ namespace gib {
 
 namespace {
 
-/// Size of the cover.
-constexpr int settings_per_axis = 6;
+/// How many times longer than the best a setting may seem to take. A law of a short run is often wrong by a factor of two.
+constexpr double hopeless = 4;
 /// Share of the time for the halving; the rest is for the descent.
 constexpr double halving_share = 0.6;
 /// A step is taken for this share of the time or less, so that noise does not keep the descent moving.
@@ -20,7 +20,7 @@ public:
         : space_(space), limits_(limits), measure_(measure) {}
 
     SearchOutcome run() {
-        const auto settings = space_.cover(settings_per_axis * static_cast<int>(space_.axes().size()));
+        const auto settings = space_.cover(static_cast<int>(settings_per_axis * space_.axes().size()));
         const double rounds = std::ceil(std::log2(static_cast<double>(settings.size()))) + 1;
         budget_ = halving_share * limits_.seconds / (rounds * static_cast<double>(settings.size()));
         if (auto best = best_by_halving(settings)) {
@@ -78,6 +78,7 @@ private:
     std::optional<Trial> best_by_halving(std::vector<Setting> alive) {
         std::optional<Trial> best;
         while (true) {
+            const double budget = limited_budget();
             const auto round = trials(alive);
             if (round.empty()) return best;
             best = round.front();
@@ -85,7 +86,8 @@ private:
             for (std::size_t i = 0; i < (round.size() + 1) / 2; ++i)
                 if (i == 0 || round[i].time.cost() <= hopeless * best->time.cost()) alive.push_back(round[i].setting);
             budget_ *= 2;
-            if (alive.size() < 2 || !has_time_for(alive.size(), halving_share)) break;
+            // Runs that last no longer than those before would say nothing new.
+            if (alive.size() < 2 || limited_budget() <= budget || !has_time_for(alive.size(), halving_share)) break;
         }
         budget_ /= 2;  // that of the last round
         return best;

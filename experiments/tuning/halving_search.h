@@ -48,14 +48,14 @@ struct SearchOutcome {
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
 
-/// Each round of halving keeps the better half and doubles the budget, and drops a setting that the laws place `hopeless`
-/// times behind the best. No budget is larger than twice the best time measured so far, and no round begins that would take
-/// longer than what is left. A step of the descent takes all changes together that gain one by one, or the best of them,
-/// and is repeated for as long as it gains (Hooke and Jeeves 1961, "Direct Search Solution of Numerical and Statistical
-/// Problems").
+/// Each round of halving keeps the better half and doubles the budget, and drops a setting that the laws place four times
+/// behind the best. No budget is larger than twice the best time measured so far. No round begins that would take longer than
+/// what is left, or whose runs would be no longer than those before. A step of the descent takes all changes together that
+/// gain one by one, or the best of them, and is repeated for as long as it gains (Hooke and Jeeves 1961, "Direct Search
+/// Solution of Numerical and Statistical Problems").
 SearchOutcome search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure);
 
-/// How many times longer than the best a setting may seem to take. A law of a short run is often wrong by a factor of two.
-inline constexpr double hopeless = 4;
+/// Settings of the cover for each axis, besides the defaults.
+inline constexpr std::size_t settings_per_axis = 6;
 
 }  // namespace gib

@@ -76,7 +76,7 @@ std::vector<double> steps_from(const TuningAxis& axis, double value) {
     for (const double factor : {0.5, 2.0})
         if (const double stepped = axis.rounded(value * factor); stepped != axis.rounded(value))
             steps.push_back(stepped);
-    // From the lower end of the span, a step down leads to the default that lies below it.
+    // Where half the value would lie below the span, the step down leads to the default, which lies apart from the span.
     if (axis.has_default_apart && value / 2 < axis.span.lower) steps.front() = *axis.initial;
     return steps;
 }

@@ -47,8 +47,7 @@ Variation parse_variation(const std::string& text, const SourceLocation& where =
 /// InputError for a range that the parameter does not have, and for a parameter that `base` sets.
 std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<Variation>& variations);
 
-/// A value for each axis; none: the default, as also where a value is the default or has no effect beside those of the axes
-/// before it.
+/// A value for each axis. Empty: the default, or a parameter without effect beside the axes before it.
 using Setting = std::vector<std::optional<double>>;
 
 /// The settings of one method.

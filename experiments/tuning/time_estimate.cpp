@@ -30,11 +30,9 @@ ErrorLaw law_of(const Cell& cell, const std::vector<CurvePoint>& curve) {
 }
 
 /// The mean of the values with its 95 % interval.
-Estimate with_interval_of(const std::vector<double>& values) {
+Estimate mean_of(const std::vector<double>& values) {
     const SampleMean mean = sample_mean(values);
-    if (values.size() < 2) return {mean.value, std::nullopt};
-    const double half = half_width({mean.variance}, interval_tail);
-    return {mean.value, Interval{mean.value - half, mean.value + half}};
+    return estimate(mean.value, {mean.variance});
 }
 
 Estimate mapped(const Estimate& e, double (*to)(double)) {
@@ -51,7 +49,7 @@ Estimate time_of_independent_samples(const std::vector<Cell>& cells, double targ
         logs.push_back(
             std::log(time ? *time : law_through_end(cell, curve.back()).seconds_to(sqr(target)).value_or(infinity)));
     }
-    return mapped(with_interval_of(logs), std::exp);
+    return mapped(mean_of(logs), std::exp);
 }
 
 /// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
@@ -84,7 +82,7 @@ std::uint32_t passes_after(const std::vector<Cell>& cells, double seconds) {
 TimeEstimate estimated_time(const Cell& cell, double target, double horizon) {
     const auto curve = curve_of(cell);
     if (curve.empty()) return {};
-    if (const auto time = time_to_error({curve}, target)) return {time->value, true};
+    if (const auto time = crossing_time(curve, target)) return {*time, true};
     const ErrorLaw law = law_of(cell, curve);
     TimeEstimate estimate{law.seconds_to(sqr(target)).value_or(infinity)};
     const double latest = std::max(horizon, curve.back().seconds);
@@ -123,7 +121,7 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     const auto time = price ? price->extrapolate(sqr(target), is_unbiased) : std::nullopt;
     if (converged || (time && time->kind == Extrapolation::Kind::never)) {
         verdict.state = Verdict::not_reachable;
-        verdict.floor = converged ? with_interval_of(errors) : mapped(price->floor, std::sqrt);
+        verdict.floor = converged ? mean_of(errors) : mapped(price->floor, std::sqrt);
         return verdict;
     }
     verdict.state = Verdict::extrapolated;

@@ -21,7 +21,7 @@ namespace gib {
 /// counts at its own time.
 TimeEstimate estimated_time(const Cell& cell, double target, double horizon = std::numeric_limits<double>::infinity());
 
-/// What the runs of a setting say about a target.
+/// The time to a target, or the reason why there is none, as the runs of a setting show it.
 struct Verdict {
     enum State {
         measured,       ///< all runs have reached it

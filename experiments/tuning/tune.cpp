@@ -27,7 +27,8 @@ namespace {
 /// When each part has to end, as shares of the whole time. A reference that does not resolve the target by then goes on; the other
 /// parts then have the same shares of the rest.
 constexpr double reference_end = 0.25, latest_reference_end = 0.5, search_end = 0.6, choice_end = 0.7;
-/// Of what is left then, the final runs of the methods' best settings have this share; defaults and neighbours have the rest.
+/// With the fewest seeds, the final runs of the methods' best settings take at most this share of what is left then. Defaults and
+/// neighbours run only where all seeds of all settings leave time for them.
 constexpr double best_share = 0.7;
 
 /// The search has one seed, the choice among its best settings others, because the best of many settings is partly the luckiest
@@ -35,8 +36,9 @@ constexpr double best_share = 0.7;
 /// short, there are at least fewest_seeds.
 constexpr std::uint64_t search_seed = 1001, first_choice_seed = 1002, choice_seeds = 3, final_seeds = 5,
                         fewest_seeds = 3;
-/// Settings whose time in the search is this many times that of the method's best take part in the choice.
+/// A setting takes part in the choice if its time in the search is at most this many times that of the method's best.
 constexpr double close_enough = 1.3;
+/// Limit on the settings of a method that take part beside its best one.
 constexpr std::size_t most_close = 3;
 /// Runs may take this many times as long as the target is expected to take, because seeds and the load of the machine differ.
 constexpr double ample = 2;
@@ -110,7 +112,7 @@ private:
         return (seconds() - end_of(choice_end)) / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
     }
     static double weight(const TunedMethod& method) {
-        return 1 + 6.0 * static_cast<double>(method.space.axes().size());
+        return static_cast<double>(1 + settings_per_axis * method.space.axes().size());
     }
 
     void search_method(std::size_t m) {
@@ -161,18 +163,18 @@ private:
             const auto& trials = result_.methods[m].trials;
             for (std::size_t i = 0; i <= std::min(most_close, trials.size() - 1); ++i)
                 if (i == 0 || trials[i].time.cost() <= close_enough * trials.front().time.cost())
-                    candidates.push_back({.method = m,
-                                          .setting = trials[i].setting,
-                                          .is_best = true,
-                                          .budget = ample * trials[i].time.cost()});
+                    candidates.push_back(
+                        {.method = m, .setting = trials[i].setting, .budget = ample * trials[i].time.cost()});
         }
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (FinalSetting& candidate : candidates)
             if (candidates.size() > 1) estimate(candidate);
         std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
         for (const FinalSetting& candidate : candidates)
-            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0)
+            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0) {
                 result_.finals.push_back(candidate);
+                result_.finals.back().is_best = true;
+            }
     }
 
     /// The defaults of each method, then the neighbours of the best setting.
@@ -262,7 +264,7 @@ private:
             for (const double error : {0.10, 0.05, 0.02, 0.01})
                 if (const Verdict v =
                         verdict_of(cells[static_cast<std::size_t>(best - result_.finals.data())], error, false);
-                    v.state == Verdict::measured)
+                    v.state == Verdict::measured && error != target_)
                     result_.along_the_way.emplace_back(error, v.seconds);
     }
 
@@ -290,7 +292,7 @@ int run_or_tune(const RunOptions& options, std::ostream& out) {
     if (options.share) reject({}, "--share is for experiments without [tune], whose runs follow from each other");
     check_out(options);
     static_cast<void>(asked_spaces(*file));
-    const std::string folder = options.out ? *options.out : result_folder_of(file->head.name);
+    const std::string folder = result_folder_of(options.out, file->head.name);
     int code = 0;
     bool any = false;
     for (const ExperimentScene& scene : file->head.scenes) {

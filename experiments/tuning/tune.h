@@ -1,5 +1,5 @@
 #pragma once
-// `gibench tune`: the settings of each method with the least time to an error.
+// Finds the settings of each method with the least time to an error (`gibench tune`).
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/run_options.h"

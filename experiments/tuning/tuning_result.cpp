@@ -100,7 +100,7 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
 std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     if (setting.verdict.state == Verdict::no_image) return "not measured";
     if (setting.verdict.state != Verdict::measured) {
-        const double factor = setting.budget / best.verdict.seconds.value;
+        const double factor = setting.verdict.seconds_of_error / best.verdict.seconds.value;
         return factor > 1 ? fmt::format("over {} times as long", short_number(factor)) : "not reached";
     }
     const SampleMean a = sample_mean(setting.verdict.log_times), b = sample_mean(best.verdict.log_times);
@@ -113,16 +113,7 @@ std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     return fmt::format("{} times as long{}", with_interval(factor), is_tie ? ", cannot be told from the best" : "");
 }
 
-}  // namespace
-
-const FinalSetting* TuningResult::best() const {
-    const bool any_is_whole = std::ranges::any_of(methods, [](const TunedMethod& m) { return m.left_out.empty(); });
-    for (const FinalSetting& f : finals)
-        if (f.is_best && f.verdict.state == Verdict::measured && !(any_is_whole && !methods[f.method].left_out.empty()))
-            return &f;
-    return nullptr;
-}
-
+/// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
 std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other) {
     if (setting == space.defaults()) return "the defaults";
     std::vector<std::string> words;
@@ -132,11 +123,16 @@ std::string difference(const SearchSpace& space, const Setting& setting, const S
     return fmt::format("{}", fmt::join(words, " "));
 }
 
+/// The lines between the label to paste and the verdicts.
 std::vector<std::string> tuning_lines(const TuningResult& result) {
     const FinalSetting* best = result.best();
     if (!best) return {};
-    std::vector<std::string> lines = {fmt::format("seconds to {}: {}, {} fresh seeds, 95 % interval", result.target,
-                                                  with_interval(best->verdict.seconds), best->verdict.runs)};
+    const std::string runs = !best->is_fresh ? "by the run that chose it"
+                             : best->verdict.runs == 1
+                                 ? "one fresh seed"
+                                 : fmt::format("{} fresh seeds, 95 % interval", best->verdict.runs);
+    std::vector<std::string> lines = {
+        fmt::format("seconds to {}: {}, {}", result.target, with_interval(best->verdict.seconds), runs)};
     for (const auto& [error, seconds] : result.along_the_way)
         lines.push_back(fmt::format("seconds to {:g} %: {}", 100 * error, with_interval(seconds)));
     for (const FinalSetting& f : result.finals)
@@ -152,6 +148,16 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
                                             factor_text(f, of_method)));
     }
     return lines;
+}
+
+}  // namespace
+
+const FinalSetting* TuningResult::best() const {
+    const bool any_is_whole = std::ranges::any_of(methods, [](const TunedMethod& m) { return m.left_out.empty(); });
+    for (const FinalSetting& f : finals)
+        if (f.is_best && f.verdict.state == Verdict::measured && !(any_is_whole && !methods[f.method].left_out.empty()))
+            return &f;
+    return nullptr;
 }
 
 std::string tuning_text(const TuningResult& result) {

@@ -45,9 +45,6 @@ struct TuningResult {
     const FinalSetting* best() const;
 };
 
-/// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
-std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other);
-
 /// The label of the best setting, if one has reached the target, with its times; the other settings beside the best one of
 /// their method; what was cut; and at the end a line with the verdict of each method.
 std::string tuning_text(const TuningResult& result);

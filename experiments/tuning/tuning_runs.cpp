@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <regex>
 
 namespace gib {
 
@@ -23,8 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// More passes than any budget lets a cell make.
-constexpr const char* endless_spp = "1000000000";
 constexpr const char* reference_entry = "reference";
 /// The reference goes on while its error is above this share of the target. Nothing is judged if it ends above the larger one: its
 /// variance is subtracted from squared errors, but is itself known only to some per cent, and is then as large as what is left.
@@ -43,6 +42,16 @@ std::string method_table(const MethodLabel& label) {
     for (const auto& [name, value] : label.values)
         text += fmt::format("{} = {}\n", name, number_from<double>(value) ? value : quoted_toml(value));
     return text;
+}
+
+/// The label with more passes than any budget lets a cell make, and with its numbers as TOML has them: as typed, but for those
+/// such as .5, 1. and 05.
+MethodLabel endless(MethodLabel label) {
+    static const std::regex toml_number("-?(0|[1-9][0-9]*)([.][0-9]+)?([eE][+-]?[0-9]+)?");
+    for (auto& [name, value] : label.values)
+        if (const auto number = number_from<double>(value); number && !std::regex_match(value, toml_number))
+            value = fmt::format("{}", *number);
+    return with_value(std::move(label), "spp", "1000000000");
 }
 
 /// The time of a budget with three digits, as its text has it.
@@ -75,7 +84,7 @@ std::string TuningRuns::experiment_text(const std::vector<MethodLabel>& labels, 
     if (!folders.empty()) text += fmt::format("paths = [{}]\n", fmt::join(folders, ", "));
     text += fmt::format("[reference]\ntarget = {:.3g}\n", parse_target(file_.target) / 4);
     for (const auto& label : labels)
-        text += method_table(with_value(label, "spp", endless_spp));
+        text += method_table(endless(label));
     return text;
 }
 
@@ -110,7 +119,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     std::optional<double> error;  // of the light that is judged; none: there is none
     const auto start = std::chrono::steady_clock::now();
     for (const double limit : {seconds, most_seconds}) {
-        scene.entry.goal.seconds = reference_seconds_ = limit;
+        scene.entry.goal.seconds = limit;
         session_->make_references();
         if (session_->references.has_failed(0)) throw RunError(session_->log.failures.back().text());
         const Reference reference = read_reference(session_->folder.reference_image(scene.entry.name));
@@ -141,7 +150,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
 }
 
 WorkCell TuningRuns::cell_of(const Wanted& wanted) const {
-    WorkCell cell = work_cell(session_->setup, 0, with_value(wanted.label, "spp", endless_spp), wanted.seed);
+    WorkCell cell = work_cell(session_->setup, 0, endless(wanted.label), wanted.seed);
     cell.identity.budget.seconds = rounded_budget(wanted.budget);
     cell.identity.reference = session_->references.identity(0);
     if (!is_experiment_) cell.name += fmt::format("-{:.3g}s", wanted.budget);
@@ -177,11 +186,10 @@ void TuningRuns::begin_experiment(const std::vector<MethodLabel>& labels, const 
                                   int seeds) {
     open(labels, seeds);
     is_experiment_ = true;
-    session_->setup.scenes.front().entry.goal.seconds = reference_seconds_;
     std::map<std::string, Budget> own;
     for (const WorkCell& cell : session_->list.all())
         for (std::size_t i = 0; i < labels.size(); ++i)
-            if (with_value(labels[i], "spp", endless_spp).text() == cell.identity.method)
+            if (endless(labels[i]).text() == cell.identity.method)
                 own[cell.name] = {rounded_budget(budgets[i]), std::nullopt};
     session_->list.keep(own);
 }
@@ -196,7 +204,7 @@ bool TuningRuns::is_unbiased(const MethodLabel& label) const {
 }
 
 const LeftOut& TuningRuns::left_out(const MethodLabel& label) const {
-    return session_->setup.left_out.at({scene_.name, with_value(label, "spp", endless_spp).text()});
+    return session_->setup.left_out.at({scene_.name, endless(label).text()});
 }
 
 }  // namespace gib

@@ -1,7 +1,8 @@
 #pragma once
 // The runs of a tuning. All of them stand in one result folder: those that choose settings under names of their own, and at
-// the end an experiment of the best settings. What was measured before an interruption is found again and counts with the
-// time that it took, so that the same decisions follow.
+// the end an experiment of the best settings. A run that was measured before an interruption is found again and counts
+// with the time that it took, so that the same decisions follow. A reference that was interrupted counts with the time of its
+// last session alone.
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/run/run_session.h"
@@ -41,7 +42,7 @@ public:
 
     /// From here on, runs are those of an experiment of these labels with the seeds 1 to `seeds`, each with its own budget.
     void begin_experiment(const std::vector<MethodLabel>& labels, const std::vector<double>& budgets, int seeds);
-    /// Writes a file of the folder and then tables and report of that experiment. Returns the report's path.
+    /// Writes tune.json and then tables and report of that experiment. Returns the report's path.
     std::string write_results(const std::string& tune_json);
 
     /// Seconds of the reference and of all runs so far.
@@ -64,7 +65,6 @@ private:
     const TuneFile& file_;
     const ExperimentScene& scene_;
     const RunOptions& options_;
-    double reference_seconds_ = 0;
     std::unique_ptr<RunSession> session_;
     bool is_experiment_ = false;
     std::map<std::string, double> seconds_;  ///< that the reference and each run took, as times.json keeps them

@@ -220,9 +220,8 @@ TEST(Photons, CommandSaysWhatItShows) {
         EXPECT_EQ(run(wrong).code, 2) << wrong;
         EXPECT_FALSE(fs::exists(folder / "b.html"));
     }
-    for (const auto& [image, message] :
-         {std::pair("cornell-box --resolution 4x4", "4 x 4 pixels, but the scene's image 8 x 8"),
-          {"furnace --resolution 8x8", "of another scene"}}) {
+    for (const auto& [image, message] : {std::pair("cornell-box --resolution 4x4", "4 x 4 pixels, the scene has 8 x 8"),
+                                         {"furnace --resolution 8x8", "of another scene"}}) {
         ASSERT_EQ(run_gibench(std::string("render ") + image + " --method 'path spp=1' -o r.exr", folder / "").code, 0);
         EXPECT_THAT(run("--method 'photon_mapper photons=100' --reference r.exr -o b.html"),
                     exits(2, HasSubstr(message)));

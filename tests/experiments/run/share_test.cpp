@@ -2,6 +2,7 @@
 // of one process.
 
 #include "experiments/results/result_folder.h"
+#include "experiments/system/file_lock.h"
 #include "tests/support/run_fixtures.h"
 
 #include <nlohmann/json.hpp>
@@ -75,6 +76,39 @@ TEST_F(ShareTest, ThatIsKilledLeavesItsCellsToTheNext) {
     write_experiment("[1, 2]");
     EXPECT_EQ(run("--share 1/2").code, 0);
     EXPECT_THAT(names(), UnorderedElementsAre(name_of("path spp=2", 1), name_of("path spp=2", 2)));
+}
+
+// The index that is written last knows the cells of all shares: the first share has to wait for its reference, while the second
+// one makes another, measures its cell and ends.
+TEST_F(ShareTest, ThatEndsLastKnowsTheCellsOfAllOthers) {
+    write("other.xml", tiny_scene_xml(9));
+    write("e.toml",
+          "scenes = ['tiny.xml', 'other.xml']\n[reference]\ntarget = '40%'\n[[method]]\nname = 'path'\nspp = 4\n");
+    ASSERT_EQ(run("--share 0/2").code, 0);
+    std::string reference;
+    for (const auto& file : fs::directory_iterator(path("results/references")))
+        if (fs::equivalent(file, results("images/tiny-reference.exr"))) reference = file.path();
+    fs::remove_all(results(""));
+    auto lock = FileLock::if_free(reference + ".lock");
+    BackgroundRun first(path(), "run e.toml --threads 1 --share 0/2");
+    ASSERT_TRUE(comes_true([&] { return first.said().find("waiting until it has ended") != std::string::npos; }));
+    ASSERT_EQ(run("--share 1/2").code, 0);
+    lock.reset();
+    EXPECT_EQ(first.wait(), 0) << first.said();
+    EXPECT_THAT(gibench("status results/e"), prints(HasSubstr("done: 2\n")));
+}
+
+// Shares may begin beside a run, which leaves their cells to them, but then has tables without these cells.
+TEST_F(ShareTest, ThatTakesACellOfARunMakesItFail) {
+    write_experiment("[30000, 1]");
+    BackgroundRun whole(path(), "run e.toml --threads 1 --seeds 1");
+    ASSERT_TRUE(comes_true([&] { return fs::exists(results("cells/" + name_of("path spp=30000", 1) + "/work")); }));
+    const std::string taken = results("cells/" + name_of("path spp=1", 1));
+    fs::create_directories(taken);
+    const auto lock = FileLock::if_free(taken + "/.lock");
+    ASSERT_TRUE(lock);
+    EXPECT_EQ(whole.wait(), 1);
+    EXPECT_THAT(whole.said(), HasSubstr("1 of 2 cells are not complete; `gibench status results/e`"));
 }
 
 TEST_F(ShareTest, WhatIsNoShareIsRefused) {

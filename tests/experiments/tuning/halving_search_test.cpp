@@ -120,6 +120,17 @@ TEST(HalvingSearch, RunsNoLongerThanTwiceTheBestTime) {
         EXPECT_LE(known.budgets[round], 2 * known.seconds_of(known.space.defaults()));
 }
 
+TEST(HalvingSearch, RepeatsNoRunThatWouldBeNoLonger) {
+    KnownTimes known;
+    known.search(6000);
+    std::map<Setting, double> longest;
+    for (std::size_t round = 0; round < known.rounds.size(); ++round)
+        for (const Setting& setting : known.rounds[round]) {
+            EXPECT_LT(longest[setting], known.budgets[round]) << known.space.label(setting).text();
+            longest[setting] = known.budgets[round];
+        }
+}
+
 TEST(HalvingSearch, CountsWhatRunsTakeBesidesTheirBudgets) {
     KnownTimes known{.besides = 3};
     const SearchOutcome outcome = known.search(120);

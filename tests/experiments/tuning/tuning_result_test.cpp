@@ -69,11 +69,18 @@ TEST(TuningResult, BeginsWithTheLabelToPasteAndEndsWithAVerdictOfEachMethod) {
 TEST(TuningResult, SaysHowLongTheDefaultsTake) {
     TuningResult result = example();
     EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: 3.00 (2.92 to 3.08) times as long\n"));
-    result.finals[2].verdict = verdict(3, 32);
-    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: over 6.00 times as long\n"))
-        << "the defaults do not reach the target in 6 s";
+    result.finals[2].verdict = verdict(3, 64);
+    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: over 1.92 times as long\n"))
+        << "the defaults do not reach the target in the 1.92 s that their runs took, whatever their budget was";
     result.finals[2].verdict = {};
     EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: not measured\n"));
+}
+
+TEST(TuningResult, ARunThatChoseItsSettingIsNotCalledFresh) {
+    TuningResult result = example();
+    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), 5 fresh seeds, 95 % interval"));
+    result.finals[0].is_fresh = false;
+    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), by the run that chose it"));
 }
 
 TEST(TuningResult, NamesChangesAndWhatCannotBeToldApart) {
@@ -221,6 +228,8 @@ TEST_F(TuneRun, EveryMethodHasAVerdict) {
         EXPECT_THAT(lines[i], ContainsRegex("^[a-z_]+ .*spp=[0-9]+: 5% .*(measured|extrapolated|not reachable)"))
             << lines[i];
     EXPECT_THAT(result.out, ContainsRegex("\npath spp=[0-9]+: 5% after .* s, measured"));
+    EXPECT_THAT(result.out, AllOf(HasSubstr("\nseconds to 10 %: "), Not(HasSubstr("\nseconds to 5 %: "))))
+        << "the target has a line already";
 }
 
 TEST_F(TuneRun, FinalRunsHaveSeedsThatChoseNothing) {
@@ -264,6 +273,14 @@ TEST_F(TuneRun, NamesThePlaceOfAWrongVariation) {
     EXPECT_THAT(gibench("run wrong.toml"),
                 exits(2, StartsWith("wrong.toml:4:9: vary: no method here has a parameter 'k'")));
     EXPECT_FALSE(fs::exists(path("results")));
+}
+
+TEST_F(TuneRun, TakesNumbersThatAreNotThoseOfToml) {
+    const ProgramResult result = gibench(
+        "tune tiny.xml --target 60% --minutes 0.1 --out r --vary radius=.05,1. --method 'photon_mapper photons=01000 "
+        "gather=0 area=plain direct_samples=1'");
+    EXPECT_THAT(result.out, HasSubstr("photon_mapper photons=01000 ")) << result.err;
+    EXPECT_THAT(read_file(path("r/table.csv")), HasSubstr("photon_mapper photons=1000 "));
 }
 
 TEST_F(TuneRun, RefusesOptionsOfCells) {
