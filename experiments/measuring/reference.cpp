@@ -3,6 +3,7 @@
 #include "common/core/files.h"
 #include "common/images/image_file.h"
 #include "common/scene/scene.h"
+#include "experiments/measuring/pilot_rules.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/measuring/reference_schedule.h"
@@ -39,17 +40,6 @@ constexpr double heavy_tail_share = 0.5;
 /// Noise is skewed if the plain formula of the standard error, with the image's own noise in the denominator, differs from the one
 /// that is free of it by this factor.
 constexpr double skewed_by = 1.25;
-/// The pilot of a reference with several makers takes this share of the work, and has at most so many rounds. It makes
-/// few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
-/// them a pixel gets.
-constexpr double pilot_share = 0.03;
-/// A time limit beside a target ends the pilot after this share of the limit. Where that is before the pilot's share of the
-/// work, the target would take more than three times the limit.
-constexpr double pilot_share_of_limit = 0.1;
-constexpr std::uint32_t most_pilot_rounds = 10, pilot_groups = 4, first_pilot_passes = 4;
-/// The pilot's batches are numbered from here.
-constexpr std::uint32_t first_pilot_batch = 0x80000000;
-
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// The folder of the batches of the reference at this path.

@@ -1,5 +1,6 @@
 #include "experiments/measuring/reference_makers.h"
 
+#include "experiments/measuring/group_moments.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/metrics/epsilon.h"
 #include "methods/parts/density/progressive_parameters.h"
@@ -34,29 +35,6 @@ constexpr double fewest_pixels = 8;
 constexpr double outdone_by = 2;
 
 bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
-
-double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
-double mean_of(const std::vector<double>& values) { return sum_of(values) / static_cast<double>(values.size()); }
-
-/// Mean over the groups, and the variance of this mean, of each value.
-struct GroupMoments {
-    std::vector<double> mean, variance;
-};
-GroupMoments moments_of(const std::vector<ComponentImages>& groups, Component c) {
-    const std::size_t size = groups.front()[c]->rgb.size();
-    const auto n = static_cast<double>(groups.size());
-    GroupMoments moments{std::vector<double>(size), std::vector<double>(size)};
-    for (std::size_t i = 0; i < size; ++i) {
-        double sum = 0, squares = 0;
-        for (const ComponentImages& group : groups)
-            sum += double{group[c]->rgb[i]};
-        moments.mean[i] = sum / n;
-        for (const ComponentImages& group : groups)
-            squares += sqr(double{group[c]->rgb[i]} - moments.mean[i]);
-        moments.variance[i] = squares / ((n - 1) * n);
-    }
-    return moments;
-}
 
 /// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light
 /// in it beyond doubt and another one does not.
