@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 
 namespace gib {
@@ -26,7 +25,7 @@ constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes n
 /// factor: a maker that has all the work makes more passes in a row.
 constexpr double least_gain = 1.1;
 /// The variance of a pass is foreseen to fall with the number of passes to the power of minus this at most, and up to so many times
-/// the passes of the pilot.
+/// the passes of the pilot: by 8 in all. The lamp's edges in cornell-box.xml fall by 20 from 16 to 1024 passes, direct light by 1.4.
 constexpr double steepest_gain = 0.5, farthest_gain = 64;
 /// A fall that the noise of fewer pixels decides is not foreseen to go on.
 constexpr double fewest_pixels = 8;

@@ -89,8 +89,8 @@ struct MakerPlan {
     std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
     double error2_work = 0;          ///< the predicted squared relative error times the work that it takes
     double unit_work = 0;            ///< work of one unit
-    /// By maker: whether a longer pilot can leave it out, because it would get no work even if the pilot showed several times
-    /// its true costs. At least two are left.
+    /// By maker: whether a longer pilot can leave it out, because it would get no work even if it cost half of what the pilot
+    /// shows. At least two are left.
     std::vector<bool> outdone;
 };
 /// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:

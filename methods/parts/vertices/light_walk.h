@@ -1,6 +1,7 @@
 #pragma once
 // The walk from a light: its vertices, for connections to the camera and to vertices of the camera's walk.
 
+#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/path_vertex.h"
 
