@@ -2,7 +2,8 @@
 // 2017, "Practical Path Guiding for Efficient Light-Transport Simulation"; Mueller 2019, "Practical Path Guiding in Production".
 //
 // Computes: every component, by the paths of `path`. At surfaces and in media a field of incident radiance, which earlier passes
-// have learned, proposes directions beside the bsdf or phase function.
+// have learned, proposes directions beside the bsdf or phase function. Where it knows of little concentrated light, most passes
+// are path tracing.
 // Parameters: memory of the field [MiB]; sampler, spp and max_depth as for all methods.
 // Bias: none, for paths that `path` can sample: the samples of a pass are drawn by what earlier passes have learned, and the
 // weights of passes are constants.
@@ -16,6 +17,7 @@
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/transport/point_set_parameter.h"
+#include "methods/parts/transport/trace_path.h"
 
 #include <bit>
 #include <cmath>
@@ -27,8 +29,10 @@ namespace {
 // A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes, have visited it
 // (Mueller 2017, section 3.3, has 12,000 and larger images).
 constexpr double crowd = 400;
-// Paths from which an iteration learns, at most about.
-constexpr double enough_paths = 0x1p19;
+// Paths from which an iteration learns, at most about: if the field pays, and if they only see whether it would.
+constexpr double enough_paths = 0x1p19, enough_looks = 0x1p13;
+// The field pays if at least this share of the paths comes to concentrated light.
+constexpr double share_that_pays = 0.1;
 
 constexpr std::string_view step_learning = "learning";
 
@@ -70,11 +74,14 @@ public:
             field_.learn(crowd * std::exp2(0.5 * (iteration - 1)));
         }
         const bool tells = learns_ && passes_ % passes_per_lesson(iteration) == 0;
-        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [this, weight, tells] {
-            return [this, weight, tells, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
-                                                                                const Sampler& sampler) mutable {
+        const bool follows = tells || pays();
+        rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [=, this] {
+            return [=, this, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
+                                                                    const Sampler& sampler) mutable {
                 directions.start();
-                PixelSample sample = trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_);
+                PixelSample sample = follows
+                                         ? trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_)
+                                         : trace_path(rays, eye, sampler, {max_edges_, light_sampling_});
                 if (tells) directions.tell(field_, sampler);
                 for (Color& part : sample.parts)
                     part *= static_cast<float>(weight);
@@ -88,17 +95,19 @@ public:
     RunCounts counts() const override { return {0, rays_, film_.non_finite()}; }
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {{"cells", std::to_string(field_.leaf_count())},
-                {"quadtree_nodes", std::to_string(field_.node_count())}};
+                {"quadtree_nodes", std::to_string(field_.node_count())},
+                {"guided", pays() ? "yes" : "no"}};
     }
     StoredLight stored_light() const override {
         return {.cells = field_.cells(depth_of_cells), .changes_with_passes = learns_};
     }
 
 private:
+    bool pays() const { return field_.concentrated_share() >= share_that_pays; }
     /// The field learns from one of so many passes of an iteration: more paths than these tell it little, and take time.
     std::uint32_t passes_per_lesson(std::uint32_t iteration) const {
         const double paths = std::exp2(iteration) * scene_.sensor().width() * scene_.sensor().height();
-        return static_cast<std::uint32_t>(std::max(paths / enough_paths, 1.));
+        return static_cast<std::uint32_t>(std::max(paths / (pays() ? enough_paths : enough_looks), 1.));
     }
     /// The weight of a pass, a power of two near 2^(k / 2). Later passes have learned more. Weights by the variances that the
     /// passes show, as of Mueller 2019, depend on the samples that they weigh, and bias the image.

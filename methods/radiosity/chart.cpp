@@ -39,7 +39,7 @@ Vec2d bilinear_place(const Chart& chart, const Vec3d& p) {
         const Vec3d dv = (1 - uv.x()) * (c[3] - c[0]) + uv.x() * (c[2] - c[1]);
         const Vec2d change = barycentric(chart.position(uv), du, dv, p);
         uv = (uv + change).cwiseMax(-0.1).cwiseMin(1.1);
-        if (change.cwiseAbs().maxCoeff() < 1e-9) break;
+        if (change.cwiseAbs().maxCoeff() < 1e-5) break;  // the next would be of its square
     }
     return uv.cwiseMax(0.0).cwiseMin(1.0);
 }

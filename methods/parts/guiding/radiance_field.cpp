@@ -12,6 +12,9 @@ namespace {
 
 // A quadrant is cut if it holds more than this share of its leaf's light (Mueller 2017, section 3.2).
 constexpr double cut_above = 0.01;
+// See concentrated_share(). Of 64 x 64 pixels after 255 passes, less than a tenth of the paths come to denser light in ten scenes of
+// the library, such as cornell-box (none) and fog (0.05), and more than a fifth in eleven, such as door-ajar (0.27).
+constexpr double concentrated_density = 12;
 constexpr int most_cuts = 16;  // the numbers of directions in float allow no more
 constexpr std::size_t nodes_of_small_tree = 64;
 // The probability to follow the field, which has no light in some directions from where light comes: the weight of the bsdf's
@@ -222,8 +225,13 @@ void RadianceField::learn(double crowd) {
     add_up();
     split_crowded(crowd);
     rebuilt_.clear();
-    for (Leaf& leaf : leaves_)
-        rebuild(leaf, most_nodes_ / leaves_.size());
+    double visits = 0, concentrated = 0;
+    for (Leaf& leaf : leaves_) {
+        const auto of_leaf = static_cast<double>(leaf.visits);
+        visits += of_leaf;
+        if (rebuild(leaf, most_nodes_ / leaves_.size()) > concentrated_density) concentrated += of_leaf;
+    }
+    concentrated_share_ = visits > 0 ? concentrated / visits : 0;
     nodes_.swap(rebuilt_);
     sums_.assign(nodes_.size(), Sums{});
 }
@@ -252,7 +260,8 @@ void RadianceField::split_crowded(double most) {
 }
 
 /// Makes the leaf's new quadtree in `rebuilt_`, level by level, so that a tree that reaches the limit is even.
-void RadianceField::rebuild(Leaf& leaf, std::size_t most_nodes) {
+/// Returns 4 pi times the mean density of directions [1/sr], over these directions; 0 if the leaf's light is not known.
+double RadianceField::rebuild(Leaf& leaf, std::size_t most_nodes) {
     struct Square {
         std::uint32_t node;
         std::uint32_t old;  ///< 0: there was none
@@ -269,13 +278,17 @@ void RadianceField::rebuild(Leaf& leaf, std::size_t most_nodes) {
     std::vector<Square> squares = {{root, leaf.root, sums_of(leaf.root), 1}};
     const double flux = total_of(squares[0].sums);
     const double least = flux * cut_above;
+    double density = 0;
     rebuilt_.emplace_back();
     for (std::size_t i = 0; i < squares.size(); ++i) {
         const Square square = squares[i];
         const double total = total_of(square.sums);
         for (std::size_t q = 0; q < 4; ++q) {
             rebuilt_[square.node].shares[q] = static_cast<float>(total > 0 ? square.sums[q] / total : 0.25);
-            if (!(square.sums[q] > least) || square.cuts == most_cuts || squares.size() == most_nodes) continue;
+            if (!(square.sums[q] > least) || square.cuts == most_cuts || squares.size() == most_nodes) {
+                if (flux > 0) density += std::ldexp(sqr(square.sums[q] / flux), 2 * square.cuts);
+                continue;
+            }
             const std::uint32_t old = square.cuts == 1 || square.old != 0 ? nodes_[square.old].children[q] : 0;
             const double quarter = 0.25 * square.sums[q];
             const auto child = static_cast<std::uint32_t>(rebuilt_.size());
@@ -291,6 +304,7 @@ void RadianceField::rebuild(Leaf& leaf, std::size_t most_nodes) {
             .selection = flux > 0 && known ? selection : 0.f,
             .reflected = known ? static_cast<float>(static_cast<double>(leaf.sum_of_reflected) * unit) : leaf.reflected,
             .indirect = known ? static_cast<float>(static_cast<double>(leaf.sum_of_indirect) * unit) : leaf.indirect};
+    return known ? density : 0;
 }
 
 }  // namespace gib

@@ -95,6 +95,10 @@ public:
     /// All cells, with shares of this depth.
     std::vector<Cell> cells(int depth) const;
 
+    /// The share of the paths that came to places with concentrated light, as the field has learned it last. The density of
+    /// directions in proportion to what is known there has a mean, over these directions, of more than 12 / (4 pi) [1/sr]; of the
+    /// cosine alone, under an even sky, it is 8/3 / (4 pi).
+    double concentrated_share() const { return concentrated_share_; }
     std::size_t leaf_count() const { return leaves_.size(); }
     std::size_t node_count() const { return nodes_.size(); }
     /// The memory that it has reserved.
@@ -109,10 +113,11 @@ private:
 
     void add_up();
     void split_crowded(double most);
-    void rebuild(Leaf& leaf, std::size_t most_nodes);
+    double rebuild(Leaf& leaf, std::size_t most_nodes);
 
     Vec3 corner_;
     float edge_;  ///< of the cube around the scene
+    double concentrated_share_ = 0;
     double quantum_;
     std::uint64_t fewest_visits_;
     std::size_t most_nodes_;

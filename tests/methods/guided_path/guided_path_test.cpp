@@ -110,6 +110,12 @@ TEST(RadianceField, TellsItsCells) {
         EXPECT_NEAR(volume, 8, 1e-4);
 }
 
+TEST(RadianceField, TellsConcentratedLightFromEven) {
+    EXPECT_EQ(peaked_field(cube, Vec3(0.6f, 0, 0.8f)).concentrated_share(), 1);
+    EXPECT_EQ(peaked_field(cube, Vec3::Zero()).concentrated_share(), 0);  // from all sides alike
+    EXPECT_EQ(RadianceField(cube, 1, 0x1p22).concentrated_share(), 0);
+}
+
 TEST(RadianceField, KeepsToItsMemory) {
     RadianceField field(cube, 1, 0x1p20);
     for (int i = 0; i < 6; ++i) {
