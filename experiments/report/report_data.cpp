@@ -4,7 +4,6 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/curves.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/text/html.h"
 #include "experiments/text/json_record.h"
