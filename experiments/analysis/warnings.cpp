@@ -1,7 +1,6 @@
 #include "experiments/analysis/warnings.h"
 
 #include "experiments/analysis/method_names.h"
-#include "experiments/analysis/table_row.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,10 +30,8 @@ double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.
 
 /// The signs of a machine that was busy when it measured these runs; empty if there are none.
 std::string sign_of(const Runs& cells) {
-    const auto& longest =
-        **std::ranges::max_element(cells, [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
-    if (waited(longest) > largest_wait)
-        return fmt::format("threads waited {:.2g} s for each second that they ran", waited(longest));
+    const double longest = waited(**std::ranges::max_element(cells, {}, [](const Cell* c) { return waited(*c); }));
+    if (longest > largest_wait) return fmt::format("threads waited {:.2g} s for each second that they ran", longest);
     double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
     std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
     for (const Cell* cell : cells) {
@@ -138,19 +135,15 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     }
     if (methods.empty()) return std::nullopt;
     if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
-    if (run_command.empty())
-        return Warning{
-            .kind = Warning::Kind::busy_machine,
-            .scene = scene,
-            .sentence = fmt::format("the machine was busy, so that seconds are too long ({}); the same tuning "
-                                    "into another folder (`--out`) measures anew",
-                                    signs)};
+    Warning warning{.kind = Warning::Kind::busy_machine,
+                    .scene = scene,
+                    .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs)};
     // One method is named by its label; --only names several of them by their scene.
-    return Warning{
-        .kind = Warning::Kind::busy_machine,
-        .scene = scene,
-        .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
-        .command = fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene)};
+    if (run_command.empty()) warning.sentence += "; the same tuning into another folder (`--out`) measures anew";
+    else
+        warning.command =
+            fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene);
+    return warning;
 }
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {
