@@ -25,6 +25,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <string_view>
 
 namespace gib {
 
@@ -135,9 +136,8 @@ LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOption
     return loaded;
 }
 
-}  // namespace
-
-void check_writable(const std::string& path, std::string_view extension) {
+/// Throws InputError unless `path` has this extension and can be created in a folder that exists.
+void check_writable(const std::string& path, std::string_view extension = ".exr") {
     const std::filesystem::path file(path);
     const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
     if (file.extension() != extension)
@@ -148,6 +148,8 @@ void check_writable(const std::string& path, std::string_view extension) {
     require_writable(folder);
     remove_leftovers_of(path);
 }
+
+}  // namespace
 
 void render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));

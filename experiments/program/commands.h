@@ -9,7 +9,6 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace gib {
 
@@ -55,9 +54,6 @@ std::string parameter_help();
 /// Writes the tables and the report of a result folder again. Damage that can be left out gives a warning. Throws
 /// InputError, and writes nothing, if no scene is left or if another process works in the folder.
 void rebuild_report(const std::string& folder, std::ostream& out);
-
-/// Throws InputError unless `path` has this extension and can be created in a folder that exists.
-void check_writable(const std::string& path, std::string_view extension = ".exr");
 
 struct PhotonsOptions : SceneJob {
     std::size_t most_photons = 200000;  ///< number of photons shown
