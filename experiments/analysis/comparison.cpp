@@ -240,9 +240,9 @@ private:
             if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
             if (are_told_apart(own, c)) told_apart_.insert(c.method);
-            const auto found = std::ranges::find(now.doubts.ties, c.method);
-            if (told_apart_.count(c.method) == 0 && found == now.doubts.ties.end()) now.doubts.ties.push_back(c.method);
-            if (told_apart_.count(c.method) > 0 && found != now.doubts.ties.end()) now.doubts.ties.erase(found);
+            std::vector<std::string>& ties = now.doubts.ties;
+            if (told_apart_.count(c.method) > 0) std::erase(ties, c.method);
+            else if (std::ranges::find(ties, c.method) == ties.end()) ties.push_back(c.method);
         }
     }
 

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace gib {
@@ -54,10 +54,6 @@ struct LabelRuns {
     std::string label;
     std::size_t seeds = 0;
     std::uint32_t passes = 0;  ///< the most of any seed
-
-    bool operator<(const LabelRuns& other) const {
-        return std::tuple(seeds, passes) < std::tuple(other.seeds, other.passes);
-    }
 };
 
 /// The runs of each label, by scene and by label without `spp`, in the order of the cells.
@@ -67,7 +63,7 @@ std::map<SceneAndLabel, std::vector<LabelRuns>> runs_by_method(const Analysis& a
         // A command starts anew for each number of samples, so that its labels are runs of their own.
         const bool is_external = analysis.index.is_external(cell.method);
         auto& labels = methods[{cell.scene, is_external ? cell.method : label_without_spp(cell.method)}];
-        auto found = std::ranges::find_if(labels, [&](const auto& l) { return l.label == cell.method; });
+        auto found = std::ranges::find(labels, cell.method, &LabelRuns::label);
         if (found == labels.end()) found = labels.insert(labels.end(), {.label = cell.method});
         ++found->seeds;
         if (!cell.checkpoints.empty()) found->passes = std::max(found->passes, cell.last().passes);
@@ -137,7 +133,8 @@ Analysis one_label_a_method(const Analysis& analysis) {
     Analysis merged = analysis;
     std::set<SceneAndLabel> dropped;
     for (const auto& [key, labels] : runs_by_method(analysis)) {
-        const LabelRuns& longest = *std::max_element(labels.begin(), labels.end());
+        const LabelRuns& longest = *std::ranges::max_element(
+            labels, {}, [](const LabelRuns& runs) { return std::pair(runs.seeds, runs.passes); });
         std::vector<std::uint32_t> stops;
         for (const LabelRuns& runs : labels) {
             if (runs.label == longest.label) continue;

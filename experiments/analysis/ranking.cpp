@@ -68,7 +68,7 @@ std::vector<Contender> ranked(std::vector<Contender> contenders) {
         const double mean = c.logs.empty() ? c.first_image : c.mean;
         return std::tuple(c.logs.empty(), !c.is_complete, !counts(c), std::isnan(mean) ? INFINITY : mean);
     };
-    std::ranges::stable_sort(contenders, [&](const Contender& a, const Contender& b) { return key(a) < key(b); });
+    std::ranges::stable_sort(contenders, {}, key);
     const bool has_best = !contenders.empty() && counts(contenders.front());
     for (Contender& c : contenders) {
         if (has_best && &c != &contenders.front()) c.standing = standing_beside(contenders.front(), c);
@@ -84,7 +84,7 @@ const Contender* best_of(const std::vector<Contender>& ranking) {
 }
 
 const Contender& of_method(const std::vector<Contender>& ranking, const std::string& method) {
-    return *std::ranges::find_if(ranking, [&](const auto& c) { return c.method == method; });
+    return *std::ranges::find(ranking, method, &Contender::method);
 }
 
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking) {

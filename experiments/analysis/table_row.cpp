@@ -7,9 +7,8 @@ namespace gib {
 namespace {
 
 const ReferenceQuality* reference_of_scene(const std::vector<ReferenceQuality>& references, const std::string& scene) {
-    for (const auto& reference : references)
-        if (reference.scene == scene) return &reference;
-    return nullptr;
+    const auto found = std::ranges::find(references, scene, &ReferenceQuality::scene);
+    return found == references.end() ? nullptr : &*found;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "experiments/analysis/warnings.h"
 
 #include "experiments/analysis/method_names.h"
-#include "experiments/analysis/table_row.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -28,26 +27,6 @@ double waited(const Cell& cell) {
 }
 
 double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
-
-/// The signs of a machine that was busy when it measured these runs; empty if there are none.
-std::string sign_of(const Runs& cells) {
-    const auto& longest =
-        **std::ranges::max_element(cells, [](const Cell* a, const Cell* b) { return waited(*a) < waited(*b); });
-    if (waited(longest) > largest_wait)
-        return fmt::format("threads waited {:.2g} s for each second that they ran", waited(longest));
-    double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
-    std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
-    for (const Cell* cell : cells) {
-        least = std::min(least, seconds_of_a_pass(*cell));
-        most = std::max(most, seconds_of_a_pass(*cell));
-        shortest = std::min(shortest, cell->last().seconds);
-        least_passes = std::min(least_passes, cell->last().passes);
-        most_passes = std::max(most_passes, cell->last().passes);
-    }
-    if (shortest < least_seconds || !(most > largest_ratio * least)) return "";
-    return fmt::format("a pass takes {:.3g} s to {:.3g} s, {} passes{}", least, most, least_passes,
-                       most_passes > least_passes ? fmt::format(" to {}", most_passes) : "");
-}
 
 /// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
 std::string signed_percent(const Estimate& e) {
@@ -121,7 +100,21 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
 }
 
 std::string busy_sign(const Analysis& analysis, const std::string& method, const Runs& cells) {
-    return analysis.index.is_external(method) ? "" : sign_of(cells);
+    if (analysis.index.is_external(method)) return "";
+    const double longest = waited(**std::ranges::max_element(cells, {}, [](const Cell* c) { return waited(*c); }));
+    if (longest > largest_wait) return fmt::format("threads waited {:.2g} s for each second that they ran", longest);
+    double least = seconds_of_a_pass(*cells.front()), most = least, shortest = cells.front()->last().seconds;
+    std::uint32_t least_passes = cells.front()->last().passes, most_passes = least_passes;
+    for (const Cell* cell : cells) {
+        least = std::min(least, seconds_of_a_pass(*cell));
+        most = std::max(most, seconds_of_a_pass(*cell));
+        shortest = std::min(shortest, cell->last().seconds);
+        least_passes = std::min(least_passes, cell->last().passes);
+        most_passes = std::max(most_passes, cell->last().passes);
+    }
+    if (shortest < least_seconds || !(most > largest_ratio * least)) return "";
+    return fmt::format("a pass takes {:.3g} s to {:.3g} s, {} passes{}", least, most, least_passes,
+                       most_passes > least_passes ? fmt::format(" to {}", most_passes) : "");
 }
 
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
@@ -138,19 +131,15 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     }
     if (methods.empty()) return std::nullopt;
     if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
-    if (run_command.empty())
-        return Warning{
-            .kind = Warning::Kind::busy_machine,
-            .scene = scene,
-            .sentence = fmt::format("the machine was busy, so that seconds are too long ({}); the same tuning "
-                                    "into another folder (`--out`) measures anew",
-                                    signs)};
+    Warning warning{.kind = Warning::Kind::busy_machine,
+                    .scene = scene,
+                    .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs)};
     // One method is named by its label; --only names several of them by their scene.
-    return Warning{
-        .kind = Warning::Kind::busy_machine,
-        .scene = scene,
-        .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs),
-        .command = fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene)};
+    if (run_command.empty()) warning.sentence += "; the same tuning into another folder (`--out`) measures anew";
+    else
+        warning.command =
+            fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene);
+    return warning;
 }
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {

@@ -24,7 +24,6 @@
 // times the true one (plain formula: 0.1 to 1.1; cross-fitting without a filter: 1.0 to 27).
 #include "experiments/metrics/denominators.h"
 
-#include "common/core/math.h"
 #include "common/core/parallel.h"
 
 #include <algorithm>

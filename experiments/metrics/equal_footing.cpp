@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace gib {
 
@@ -15,10 +16,7 @@ constexpr double least_footing_share =
     0.01;  // share of the total's energy: darker components are measured against this
 
 double mean_energy(const Image& image) {
-    double sum = 0;
-    for (const float v : image.rgb)
-        sum += static_cast<double>(v);
-    return sum / static_cast<double>(image.rgb.size());
+    return std::accumulate(image.rgb.begin(), image.rgb.end(), 0.0) / static_cast<double>(image.rgb.size());
 }
 
 SampleMean mean_energies(const std::vector<Image>& images) {

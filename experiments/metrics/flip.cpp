@@ -39,9 +39,7 @@ Eigen::Matrix3d opponent_of_xyz() {
     return m;
 }
 
-struct OpponentImage {
-    Plane achromatic, red_green, blue_yellow;
-};
+using OpponentImage = std::array<Plane, 3>;  // in the order of OpponentChannel
 
 OpponentImage opponent_image(const Image& image) {
     const Eigen::Matrix3f m = (opponent_of_xyz() * xyz_of_rgb()).cast<float>();
@@ -49,9 +47,8 @@ OpponentImage opponent_image(const Image& image) {
     OpponentImage result{empty, empty, empty};
     for (std::size_t i = 0; i < image.pixels(); ++i) {
         const Vec3 v = m * image.at(i).matrix();
-        result.achromatic.values[i] = v[0];
-        result.red_green.values[i] = v[1];
-        result.blue_yellow.values[i] = v[2];
+        for (std::size_t k = 0; k < 3; ++k)
+            result[k].values[i] = v[static_cast<int>(k)];
     }
     return result;
 }
@@ -79,9 +76,9 @@ float hyab(const Vec3& a, const Vec3& b) {
 /// The colours that the eye resolves: the image filtered with the contrast sensitivity of each channel, in CIELab
 /// with the Hunt effect.
 std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degree) {
-    const Plane y = contrast_filtered(image.achromatic, OpponentChannel::achromatic, pixels_per_degree);
-    const Plane xy = contrast_filtered(image.red_green, OpponentChannel::red_green, pixels_per_degree);
-    const Plane yz = contrast_filtered(image.blue_yellow, OpponentChannel::blue_yellow, pixels_per_degree);
+    const Plane y = contrast_filtered(image[0], OpponentChannel::achromatic, pixels_per_degree);
+    const Plane xy = contrast_filtered(image[1], OpponentChannel::red_green, pixels_per_degree);
+    const Plane yz = contrast_filtered(image[2], OpponentChannel::blue_yellow, pixels_per_degree);
     const Eigen::Matrix3d to_xyz = xyz_of_rgb();
     const Eigen::Matrix3f from_rgb = to_xyz.cast<float>();
     const Eigen::Matrix3f to_rgb = (opponent_of_xyz() * to_xyz).inverse().cast<float>();
@@ -270,8 +267,8 @@ FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_de
     require_comparable(test, reference, pixels_per_degree);
     const OpponentImage a = opponent_image(test), b = opponent_image(reference);
     const std::vector<Vec3> color_a = seen_colors(a, pixels_per_degree), color_b = seen_colors(b, pixels_per_degree);
-    const Features features_a = detected_features(a.achromatic, pixels_per_degree);
-    const Features features_b = detected_features(b.achromatic, pixels_per_degree);
+    const Features features_a = detected_features(a[0], pixels_per_degree);
+    const Features features_b = detected_features(b[0], pixels_per_degree);
     const ColorError color_error;
     FlipMap map{test.width, test.height, std::vector<float>(test.pixels())};
     parallel_blocks(map.values.size(), pixels_per_task, [&](std::size_t begin, std::size_t end, std::size_t) {

@@ -221,12 +221,11 @@ void add_intervals(PriceLaw& price, const Curves& curves) {
     price.without = laws_of(curves.without, curves.start, true);
     price.floorless_without = laws_of(curves.without, curves.start, false);
     if (price.without.empty() || price.floorless_without.empty()) return;
-    std::vector<double> slopes, end_slopes;
-    bool at_end = is_at_end(price.law);
+    std::vector<double> slopes, end_slopes, floorless_slopes;
     for (std::size_t r = 0; r < price.without.size(); ++r) {
         slopes.push_back(price.without[r].slope);
         end_slopes.push_back(end_slope(curves.without[r], curves.start));
-        at_end = at_end || is_at_end(price.without[r]);
+        floorless_slopes.push_back(price.floorless_without[r].slope);
     }
     const double highest = std::max(curves.highest_floor(interval_tail), price.floor.value);
     const bool bends = jackknife(end_slope(curves.all, curves.start), end_slopes).interval->hi < 1;
@@ -234,10 +233,8 @@ void add_intervals(PriceLaw& price, const Curves& curves) {
     price.floor.interval = Interval{lowest, highest};
     price.ceiling =
         law_with_floor(curves.all, curves.start, std::max(curves.highest_floor(ceiling_tail), price.floor.value));
-    if (!at_end) price.slope = jackknife(price.law.slope, slopes);
-    std::vector<double> floorless_slopes;
-    for (const ErrorLaw& law : price.floorless_without)
-        floorless_slopes.push_back(law.slope);
+    if (!is_at_end(price.law) && std::ranges::none_of(price.without, is_at_end))
+        price.slope = jackknife(price.law.slope, slopes);
     price.floorless_slope = jackknife(price.floorless.slope, floorless_slopes);
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace gib {
 
@@ -109,12 +110,9 @@ std::string names_of(const std::vector<Component>& components) {
 
 std::vector<Component> components_named(const std::string& names) {
     std::vector<Component> found;
-    std::size_t begin = 0;
-    while (begin < names.size()) {
-        const std::size_t end = std::min(names.find(';', begin), names.size());
-        if (const auto c = component_named(names.substr(begin, end - begin))) found.push_back(*c);
-        begin = end + 1;
-    }
+    std::istringstream list(names);
+    for (std::string name; std::getline(list, name, ';');)
+        if (const auto c = component_named(name)) found.push_back(*c);
     return found;
 }
 

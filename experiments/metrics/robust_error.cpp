@@ -2,8 +2,6 @@
 
 #include "common/core/math.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 
 namespace gib {
 
@@ -110,13 +111,6 @@ std::vector<double> flat_top(std::size_t n) {
         window[lag] = 0.5 + 0.5 * std::cos(std::numbers::pi * u);
     }
     return window;
-}
-
-double sum_of_squares(const Field& field) {
-    double sum = 0;
-    for (double v : field)
-        sum += sqr(v);
-    return sum;
 }
 
 /// The autocorrelation sum_p f(p) f(p + lag), summed over fields, for all lags of an image. The result has 2 width x
@@ -274,8 +268,6 @@ Field half_bias(const std::vector<Image>& replicates, const std::vector<Image>& 
 /// The autocorrelations of noise that is known only in the pixels of a mask, and of the mask.
 struct Correlations {
     Field products, pairs;
-    Correlations(const std::vector<Field>& noise, const Field& mask, Size size)
-        : products(autocorrelation(noise, size)), pairs(autocorrelation({mask}, size)) {}
 };
 
 /// The power spectrum of stationary noise that is known only in the pixels of a mask, at the frequencies of an image,
@@ -320,7 +312,7 @@ std::optional<NoiseSpectrum> pooled_spectrum(const std::vector<Image>& replicate
     const Size size = size_of(reference);
     const WhitenedNoise noise = whitened_noise(replicates, reference, sigma);
     if (std::ranges::none_of(noise.mask, [](double kept) { return kept > 0; })) return std::nullopt;
-    const Correlations correlations(noise.replicates, noise.mask, size);
+    const Correlations correlations{autocorrelation(noise.replicates, size), autocorrelation({noise.mask}, size)};
     const Field power = power_through_mask(correlations, size, flat_top);
 
     double sum = 0, moment = 0, low = 0, low_count = 0, count = 0;
@@ -355,7 +347,7 @@ std::vector<SpectrumPoint> bias_spectrum(const std::vector<Image>& replicates, c
     if (replicates.size() < 2 || reference.groups.size() < 2) return {};
     const Size size = size_of(reference.mean);
     const Field window = hann_window(size);
-    const double white = sum_of_squares(window);
+    const double white = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
     const auto windowed = [&](bool second_half) {
         Field bias = half_bias(replicates, reference.groups, second_half);
         for (std::size_t p = 0; p < bias.size(); ++p)

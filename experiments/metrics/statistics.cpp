@@ -20,11 +20,11 @@
 #include "common/core/float_traps.h"
 #include "common/core/parallel.h"
 #include "common/core/reject.h"
-#include "experiments/metrics/student_t.h"
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace gib {
 
@@ -228,12 +228,7 @@ Unseen unseen_squares(const std::vector<Image>& replicates, const Image& origin,
             }
         }
         const auto excess = [n](const std::vector<double>& squares) {
-            double sum = 0, most = 0;
-            for (const double square : squares) {
-                sum += square;
-                most = std::max(most, square);
-            }
-            return most - sum / n;
+            return *std::ranges::max_element(squares) - std::accumulate(squares.begin(), squares.end(), 0.0) / n;
         };
         largest.mse = std::max(largest.mse, excess(from_origin));
         largest.variance = std::max(largest.variance, excess(from_mean));
@@ -359,6 +354,28 @@ void require_same_size(const Image& image, const Image& reference) {
                image.height, reference.width, reference.height);
 }
 
+struct TrueError {
+    double rel_mse, rel_bias2;
+};
+
+/// Both errors against the truth. bias2 is the mean over pairs of different replicates, which is the squared difference of
+/// their mean less the sampling variance s^2 / n.
+TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
+    const auto n = static_cast<double>(replicates.size());
+    double rel_mse = 0;
+    for (const Image& x : replicates)
+        rel_mse += truth.squared_difference(x) / n;
+    const Image mean = mean_image(replicates);
+    if (replicates.size() < 2) return {rel_mse, std::numeric_limits<double>::quiet_NaN()};
+    const double sampling = truth.weighted_mean([&](std::size_t i) {
+        double scatter = 0;
+        for (const Image& x : replicates)
+            scatter += sqr(double{x.rgb[i]} - double{mean.rgb[i]});
+        return scatter / (n * (n - 1));
+    });
+    return {rel_mse, truth.squared_difference(mean) - sampling};
+}
+
 }  // namespace
 
 Estimate estimate(double value, const std::vector<VarianceTerm>& terms) {
@@ -403,32 +420,6 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const De
     require_same_size(denominators.plain(), reference.mean);
     return image_error(x, reference, denominators, NoisyTruth(reference, denominators));
 }
-
-namespace {
-
-struct TrueError {
-    double rel_mse, rel_bias2;
-};
-
-/// Both errors against the truth. bias2 is the mean over pairs of different replicates, which is the squared difference of
-/// their mean less the sampling variance s^2 / n.
-TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
-    const auto n = static_cast<double>(replicates.size());
-    double rel_mse = 0;
-    for (const Image& x : replicates)
-        rel_mse += truth.squared_difference(x) / n;
-    const Image mean = mean_image(replicates);
-    if (replicates.size() < 2) return {rel_mse, std::numeric_limits<double>::quiet_NaN()};
-    const double sampling = truth.weighted_mean([&](std::size_t i) {
-        double scatter = 0;
-        for (const Image& x : replicates)
-            scatter += sqr(double{x.rgb[i]} - double{mean.rgb[i]});
-        return scatter / (n * (n - 1));
-    });
-    return {rel_mse, truth.squared_difference(mean) - sampling};
-}
-
-}  // namespace
 
 ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                          const Denominators& denominators) {

@@ -40,6 +40,79 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
+// Sums over blocks of pixels of one channel of two images x and r: the radiance, and the variance of its noise.
+
+/// The variance of a sum, and the uncertainty of that variance.
+struct Variance {
+    double value = 0;
+    double spread = 0;  ///< value^2 / (degrees of freedom), additive over independent sums; 0: exactly known
+
+    /// Degrees of freedom by Welch and Satterthwaite; infinite if exactly known.
+    double degrees() const { return spread > 0 ? sqr(value) / spread : infinite; }
+    void add(const Variance& other) {
+        value += other.value;
+        spread += other.spread;
+    }
+    /// Raises `value` to `least` if it is smaller. The degrees of freedom stay as they are, or become 1 if there was
+    /// no variance.
+    void raise_to(double least) {
+        if (!(least > value)) return;
+        spread = value > 0 ? spread * sqr(least / value) : sqr(least);
+        value = least;
+    }
+};
+
+/// The sums of one of the two images over a block.
+struct BlockSide {
+    double sum = 0;              ///< sum of the radiance [W/(sr m^2)]
+    Variance variance;           ///< variance of `sum`, from the standard errors of the pixels, taken as independent
+    std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
+    double bias = 0;             ///< estimated bias of `sum`
+    double bias_variance = 0;    ///< variance of this estimate
+
+    /// How much the bias adds to the mean square of the sum's deviation from the truth.
+    double squared_bias() const { return std::max(0.0, sqr(bias) - bias_variance); }
+    void add(const BlockSide& other) {
+        sum += other.sum;
+        variance.add(other.variance);
+        bias += other.bias;
+        bias_variance += other.bias_variance;
+        groups.resize(other.groups.size());
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            groups[g] += other.groups[g];
+    }
+    /// The variance of the mean of `groups`, which also holds if pixels share noise. NaN with fewer than 2 groups.
+    double scatter() const { return sample_mean(groups).variance.variance; }
+};
+
+/// The sums of both images over a block.
+struct BlockSums {
+    double pixels = 0;
+    Eigen::AlignedBox2i box;  ///< box around the pixels, both ends included
+    BlockSide x, r;
+    Variance difference;  ///< variance of x.sum - r.sum, with pixels taken as independent
+    double degrees = 0;   ///< degrees of freedom of `difference`
+    bool equal = true;    ///< x = r in every pixel, which images of independent noise never are
+
+    void add(const BlockSums& other) {
+        pixels += other.pixels;
+        box.extend(other.box);
+        x.add(other.x);
+        r.add(other.r);
+        difference.add(other.difference);
+        degrees = difference.degrees();
+        equal = equal && other.equal;
+    }
+};
+
+/// Adds up the blocks of `grid` within each block of `larger`.
+std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger) {
+    std::vector<BlockSums> sums(larger.size());
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        larger.for_each_in(i, [&](int column, int row) { sums[i].add(blocks[grid.index(column, row)]); });
+    return sums;
+}
+
 /// The number of replicates that the standard error comes from. A file without groups is assumed to come from
 /// gibench, which uses `reference_groups` of them.
 double replicates_of(const ReferenceLayer& layer) {
@@ -358,54 +431,10 @@ ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& l
     return verdict;
 }
 
-double Variance::degrees() const { return spread > 0 ? sqr(value) / spread : infinite; }
-
-void Variance::add(const Variance& other) {
-    value += other.value;
-    spread += other.spread;
-}
-
-void Variance::raise_to(double least) {
-    if (!(least > value)) return;
-    spread = value > 0 ? spread * sqr(least / value) : sqr(least);
-    value = least;
-}
-
-void BlockSide::add(const BlockSide& other) {
-    sum += other.sum;
-    variance.add(other.variance);
-    bias += other.bias;
-    bias_variance += other.bias_variance;
-    groups.resize(other.groups.size());
-    for (std::size_t g = 0; g < groups.size(); ++g)
-        groups[g] += other.groups[g];
-}
-
-double BlockSide::squared_bias() const { return std::max(0.0, sqr(bias) - bias_variance); }
-
-double BlockSide::scatter() const { return sample_mean(groups).variance.variance; }
-
-void BlockSums::add(const BlockSums& other) {
-    pixels += other.pixels;
-    box.extend(other.box);
-    x.add(other.x);
-    r.add(other.r);
-    difference.add(other.difference);
-    degrees = difference.degrees();
-    equal = equal && other.equal;
-}
-
 Cuts Cuts::with_edge(int size, int edge) { return {size, std::max(1, (size + edge / 2) / edge)}; }
 
 Grid Grid::with_edge(int width, int height, int edge) {
     return {Cuts::with_edge(width, edge), Cuts::with_edge(height, edge)};
-}
-
-std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger) {
-    std::vector<BlockSums> sums(larger.size());
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        larger.for_each_in(i, [&](int column, int row) { sums[i].add(blocks[grid.index(column, row)]); });
-    return sums;
 }
 
 bool MitsubaZTest::accepted() const {

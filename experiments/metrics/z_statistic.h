@@ -3,9 +3,6 @@
 // every channel of blocks of 8 x 8 and 64 x 64 pixels and of the whole image;
 // and whether the means are shown to agree. z_statistic.cpp has the derivation.
 //
-// Sums over blocks of pixels of one channel of two images x and r: the radiance, and the variance of its noise. The z
-// test (z_statistic.h) compares these sums.
-//
 // The z test that Mitsuba 3 applies to its own renderings (its src/render/tests/test_renders.py). It compares every
 // pixel with a converged reference, using the variance of one sample that is stored with the reference.
 
@@ -85,45 +82,6 @@ struct ZTestVerdict {
 /// largest |t|; among several of these, the first.
 ZTestVerdict verdict_of(const std::vector<std::pair<std::string, LayerZTest>>& layers, const ZTestLimits& limits);
 
-/// The variance of a sum, and the uncertainty of that variance.
-struct Variance {
-    double value = 0;
-    double spread = 0;  ///< value^2 / (degrees of freedom), additive over independent sums; 0: exactly known
-
-    double degrees() const;  ///< degrees of freedom by Welch and Satterthwaite; infinite if exactly known
-    void add(const Variance& other);
-    /// Raises `value` to `least` if it is smaller. The degrees of freedom stay as they are, or become 1 if there was
-    /// no variance.
-    void raise_to(double least);
-};
-
-/// The sums of one of the two images over a block.
-struct BlockSide {
-    double sum = 0;              ///< sum of the radiance [W/(sr m^2)]
-    Variance variance;           ///< variance of `sum`, from the standard errors of the pixels, taken as independent
-    std::vector<double> groups;  ///< the sum of each replicate [W/(sr m^2)]; empty without replicates
-    double bias = 0;             ///< estimated bias of `sum`
-    double bias_variance = 0;    ///< variance of this estimate
-
-    /// How much the bias adds to the mean square of the sum's deviation from the truth.
-    double squared_bias() const;
-    void add(const BlockSide& other);
-    /// The variance of the mean of `groups`, which also holds if pixels share noise. NaN with fewer than 2 groups.
-    double scatter() const;
-};
-
-/// The sums of both images over a block.
-struct BlockSums {
-    double pixels = 0;
-    Eigen::AlignedBox2i box;  ///< box around the pixels, both ends included
-    BlockSide x, r;
-    Variance difference;  ///< variance of x.sum - r.sum, with pixels taken as independent
-    double degrees = 0;   ///< degrees of freedom of `difference`
-    bool equal = true;    ///< x = r in every pixel, which images of independent noise never are
-
-    void add(const BlockSums& other);
-};
-
 /// Divides the indices 0 to size - 1 into `count` parts whose sizes differ by at most 1.
 struct Cuts {
     int size = 1, count = 1;
@@ -153,9 +111,6 @@ struct Grid {
                 visit(x, y);
     }
 };
-
-/// Adds up the blocks of `grid` within each block of `larger`.
-std::vector<BlockSums> merged(const std::vector<BlockSums>& blocks, const Grid& grid, const Grid& larger);
 
 struct MitsubaZTest {
     static constexpr double significance = 0.01;

@@ -26,6 +26,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <type_traits>
 
 namespace gib {
 
@@ -132,10 +133,16 @@ int run_on(ExecutorOptions executor, const RunOptions& options) {
     return submit_run(options, executor.slurm, std::cout);
 }
 
-/// Makes `work(*options)` the action of a command. The options live as long as the command.
+/// Makes `work(*options)` the action of a command, whose exit code is 0 if that returns none. The options live as long as
+/// the command.
 template <typename Options, typename Work>
 void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
-    command->callback([=, &action] { action = [=] { return work(*options); }; });
+    command->callback([=, &action] {
+        action = [=] {
+            if constexpr (std::is_void_v<decltype(work(*options))>) return work(*options), 0;
+            else return work(*options);
+        };
+    });
 }
 
 void add_run(CLI::App& app, Action& action, const std::string& command_line) {
@@ -271,41 +278,39 @@ void add_list(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(
         "list", "list methods, scenes, effects, experiments, keys or columns, one a line, the name first");
     command->require_subcommand(1);
-    auto parameters = std::make_shared<bool>(false);
-    CLI::App* methods = command->add_subcommand("methods", "methods that can be run");
-    methods->add_flag("--parameters", *parameters, "show every parameter with its unit, range and default, too");
-    perform_with(parameters, methods, action, [](bool with) { return list_methods(with, std::cout); });
-    const auto add = [&](const char* kind, const char* sentence, int (*print)(std::ostream&)) {
+    // `print` gets whether the flag is given.
+    const auto add_with_flag = [&](const char* kind, const char* sentence, const char* flag, const char* flag_help,
+                                   void (*print)(bool, std::ostream&)) {
+        auto is_given = std::make_shared<bool>(false);
+        CLI::App* list = command->add_subcommand(kind, sentence);
+        list->add_flag(flag, *is_given, flag_help);
+        perform_with(is_given, list, action, [=](bool given) { print(given, std::cout); });
+    };
+    const auto add = [&](const char* kind, const char* sentence, void (*print)(std::ostream&)) {
         command->add_subcommand(kind, sentence)->callback([&action, print] {
-            action = [print] { return print(std::cout); };
+            action = [print] { return print(std::cout), 0; };
         });
     };
+    add_with_flag("methods", "methods that can be run", "--parameters",
+                  "show every parameter with its unit, range and default, too", list_methods);
     add("scenes", "scenes that come with the program", list_scenes);
     add("effects", "kinds of light transport", list_effects);
     add("experiments", "experiments that come with the program", list_experiments);
-    const auto add_declared = [&](const char* name, const char* help, int (*work)(bool, std::ostream&)) {
-        auto markdown = std::make_shared<bool>(false);
-        CLI::App* declared = command->add_subcommand(name, help);
-        declared->add_flag("--markdown", *markdown, "print this part of experiments/REFERENCE.md");
-        perform_with(markdown, declared, action, [=](bool with) { return work(with, std::cout); });
-    };
-    add_declared("keys", "keys of an experiment file", list_keys);
-    add_declared("columns", "columns of the CSV files of a result folder", list_columns);
+    constexpr const char* markdown_help = "print this part of experiments/REFERENCE.md";
+    add_with_flag("keys", "keys of an experiment file", "--markdown", markdown_help, list_keys);
+    add_with_flag("columns", "columns of the CSV files of a result folder", "--markdown", markdown_help, list_columns);
 }
 
 void add_completion(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("completion", "print a script that completes the command line in a shell");
     command->require_subcommand(1);
     command->add_subcommand("bash", "for bash: source <(gibench completion bash)")->callback([&] {
-        action = [&app] {
-            std::cout << bash_completion(app);
-            return 0;
-        };
+        action = [&app] { return std::cout << bash_completion(app), 0; };
     });
 }
 
-void add_of_folder(CLI::App& app, Action& action, const char* name, const char* sentence,
-                   int (*work)(const std::string&, std::ostream&)) {
+template <typename Work>
+void add_of_folder(CLI::App& app, Action& action, const char* name, const char* sentence, Work work) {
     auto folder = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand(name, sentence);
     command->add_option("RESULT_DIR", *folder, "a folder of results")->required();
@@ -400,10 +405,7 @@ void add_internal(CLI::App& app, Action& action, const char* name, const char* s
     auto request = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand(name, sentence)->group("");
     command->add_option("REQUEST", *request, "request.json of a cell's work folder")->required();
-    perform_with(request, command, action, [measure](const auto& file) {
-        measure(file);
-        return 0;
-    });
+    perform_with(request, command, action, measure);
 }
 
 int perform(const Action& action) {

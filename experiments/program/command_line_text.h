@@ -12,13 +12,8 @@
 
 namespace CLI {
 class App;
-}
-namespace CLI {
 class Formatter;
-}
-namespace CLI {
-class App;
-}
+}  // namespace CLI
 
 namespace gib {
 

@@ -25,6 +25,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <string_view>
 
 namespace gib {
 
@@ -135,9 +136,8 @@ LoadedScene loaded_with_warnings(const std::string& scene, const SceneLoadOption
     return loaded;
 }
 
-}  // namespace
-
-void check_writable(const std::string& path, std::string_view extension) {
+/// Throws InputError unless `path` has this extension and can be created in a folder that exists.
+void check_writable(const std::string& path, std::string_view extension = ".exr") {
     const std::filesystem::path file(path);
     const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
     if (file.extension() != extension)
@@ -149,7 +149,9 @@ void check_writable(const std::string& path, std::string_view extension) {
     remove_leftovers_of(path);
 }
 
-int render(const RenderOptions& options, std::ostream& out) {
+}  // namespace
+
+void render(const RenderOptions& options, std::ostream& out) {
     const ConfiguredMethod chosen(MethodLabel::parse(options.method));
     require_own_filter(chosen.label);
     check_writable(options.out);
@@ -197,10 +199,9 @@ int render(const RenderOptions& options, std::ostream& out) {
     for (const auto& [name, value] : measured.facts)
         out << fmt::format("{}: {}\n", name, value);
     warn_of_non_finite(last.counts.non_finite, options.seed);
-    return 0;
 }
 
-int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
+void make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const MethodLabel label = MethodLabel::parse(options.method);
     const auto methods = reference_methods(label);
     if (options.epsilon) require_epsilon(*options.epsilon);
@@ -233,11 +234,10 @@ int make_reference_file(const ReferenceOptions& options, std::ostream& out) {
         progress.message("warning: " + warning);
     out << fmt::format("relative standard error: {:.4g} % (epsilon {:.6g})\n", 100 * finished.relative_error,
                        finished.epsilon);
-    return 0;
 }
 
-int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading,
-               std::ostream& out) {
+void print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading,
+                std::ostream& out) {
     std::vector<ConfiguredMethod> chosen;
     if (method.empty())
         for (const auto& name : names_of_comparable_methods())
@@ -259,10 +259,9 @@ int print_plan(const std::string& scene, const std::string& method, const SceneL
         for (const std::string& line : lines[i])
             if (!has_line(common, line)) out << line << "\n";
     }
-    return 0;
 }
 
-int rebuild_report(const std::string& folder_path, std::ostream& out) {
+void rebuild_report(const std::string& folder_path, std::ostream& out) {
     // The index is read before the lock is taken, so that a folder without results gives that error.
     static_cast<void>(ResultFolder(folder_path).read_index());
     const FileLock lock = lock_result_folder(folder_path);  // a run at the same time would write the same files
@@ -278,10 +277,9 @@ int rebuild_report(const std::string& folder_path, std::ostream& out) {
     });
     warn_of(damage);
     out << "Report: " << report << "\n";
-    return 0;
 }
 
-int show_photons(const PhotonsOptions& options, std::ostream& out) {
+void show_photons(const PhotonsOptions& options, std::ostream& out) {
     const ConfiguredMethod method(MethodLabel::parse(options.method));
     require_stored_light(method.label);
     method.values.refuse({"filter"}, "photons: no image is made");
@@ -318,7 +316,6 @@ int show_photons(const PhotonsOptions& options, std::ostream& out) {
         print_what_is_shown(light, out);
     });
     progress.message(options.out);
-    return 0;
 }
 
 }  // namespace gib

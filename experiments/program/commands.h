@@ -1,5 +1,5 @@
 #pragma once
-// The commands behind the command line. Each returns its exit code, 0 or 1, and throws InputError for wrong input.
+// The commands behind the command line. They throw InputError for wrong input; one that returns has succeeded.
 //
 // `gibench photons`: writes the page that shows the light that a method stores.
 
@@ -9,7 +9,6 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace gib {
 
@@ -26,7 +25,7 @@ struct SceneJob {
 struct RenderOptions : SceneJob {
     bool features = false;  ///< adds the layers albedo, normal and depth
 };
-int render(const RenderOptions& options, std::ostream& out);
+void render(const RenderOptions& options, std::ostream& out);
 
 struct ReferenceOptions : SceneJob {
     std::optional<std::string> target;
@@ -34,18 +33,19 @@ struct ReferenceOptions : SceneJob {
     std::optional<double> epsilon;  ///< epsilon of the relative error [radiance^2]; none: the default (epsilon.h)
     bool replace = false;           ///< an image at `out` that is not the reference of this scene, method and size
 };
-int make_reference_file(const ReferenceOptions& options, std::ostream& out);
+void make_reference_file(const ReferenceOptions& options, std::ostream& out);
 
 /// Prints the plans of a method, by its label, or of all methods if `method` is empty.
-int print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading, std::ostream& out);
+void print_plan(const std::string& scene, const std::string& method, const SceneLoadOptions& loading,
+                std::ostream& out);
 
-int list_methods(bool parameters, std::ostream& out);
-int list_scenes(std::ostream& out);
-int list_experiments(std::ostream& out);
-int list_effects(std::ostream& out);
+void list_methods(bool parameters, std::ostream& out);
+void list_scenes(std::ostream& out);
+void list_experiments(std::ostream& out);
+void list_effects(std::ostream& out);
 /// Keys of an experiment file, and columns of the CSV files; as Markdown they make experiments/REFERENCE.md.
-int list_keys(bool markdown, std::ostream& out);
-int list_columns(bool markdown, std::ostream& out);
+void list_keys(bool markdown, std::ostream& out);
+void list_columns(bool markdown, std::ostream& out);
 /// The lines that list_keys() prints.
 std::string key_help();
 /// Name, default, unit, range and sentence of every parameter of every method.
@@ -53,10 +53,7 @@ std::string parameter_help();
 
 /// Writes the tables and the report of a result folder again. Damage that can be left out gives a warning. Throws
 /// InputError, and writes nothing, if no scene is left or if another process works in the folder.
-int rebuild_report(const std::string& folder, std::ostream& out);
-
-/// Throws InputError unless `path` has this extension and can be created in a folder that exists.
-void check_writable(const std::string& path, std::string_view extension = ".exr");
+void rebuild_report(const std::string& folder, std::ostream& out);
 
 struct PhotonsOptions : SceneJob {
     std::size_t most_photons = 200000;  ///< number of photons shown
@@ -68,7 +65,7 @@ struct PhotonsOptions : SceneJob {
 inline constexpr std::uint32_t default_passes = 16, default_image_passes = 4, most_passes_shown = 255;
 inline constexpr std::size_t most_photons_shown = 5000000;
 
-/// Writes the page and prints what it shows of how much. Returns 0. Throws InputError if the method stores no light.
-int show_photons(const PhotonsOptions& options, std::ostream& out);
+/// Writes the page and prints what it shows of how much. Throws InputError if the method stores no light.
+void show_photons(const PhotonsOptions& options, std::ostream& out);
 
 }  // namespace gib

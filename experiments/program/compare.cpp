@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -99,18 +98,13 @@ Json metrics(const Subject& subject, Flip flip) {
     return json;
 }
 
-const Image& layer_in(const LayeredImage& file, const std::string& name, const std::string& path) {
-    const Image* image = file.find(name);
-    if (!image) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
-    return *image;
-}
-
 /// The image without the components that the reference does not resolve; an image without layers of
 /// components as it is.
 Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
                    const std::string& path) {
-    const Image& total = layer_in(file, "", path);
-    return reference.unresolved.empty() ? total : judgement.total_of(file);
+    const Image* total = file.find("");
+    if (!total) throw InputError({path, 0, 0}, "the image has no channels R,G,B outside its named layers");
+    return reference.unresolved.empty() ? *total : judgement.total_of(file);
 }
 
 void require_comparable(const std::string& path, const Image& image, const CompareOptions& options, const Image& r) {

@@ -100,44 +100,38 @@ std::string title_of(const std::string& experiment) {
 
 }  // namespace
 
-int list_methods(bool parameters, std::ostream& out) {
+void list_methods(bool parameters, std::ostream& out) {
     for (const auto& method : method_registry()) {
         out << fmt::format("{:<28} {}\n", method.name, method.sentence);
         if (parameters) out << parameter_lines(method.parameters);
     }
     if (parameters) out << "every method\n" << parameter_lines(shared_parameters());
-    return 0;
 }
 
-int list_scenes(std::ostream& out) {
+void list_scenes(std::ostream& out) {
     const std::string readme = shipped_folder("scenes") + "/README.md";
     for (const std::string& stem : shipped_scene_names()) {
         const std::string sentence = sentence_about(stem + ".xml", readme);
         out << (sentence.empty() ? stem : fmt::format("{:<28} {}", stem, sentence)) << "\n";
     }
-    return 0;
 }
 
-int list_experiments(std::ostream& out) {
+void list_experiments(std::ostream& out) {
     for (const std::string& name : shipped_experiment_names())
         out << fmt::format("{:<28} {}\n", name, title_of(experiment_file(name)));
-    return 0;
 }
 
-int list_effects(std::ostream& out) {
+void list_effects(std::ostream& out) {
     for (const auto& effect : effect_descriptions())
         out << fmt::format("{:<28} {}\n", effect.name, effect.sentence);
-    return 0;
 }
 
-int list_keys(bool markdown, std::ostream& out) {
+void list_keys(bool markdown, std::ostream& out) {
     out << (markdown ? markdown_of(experiment_keys(), key_head, "key | value") : key_help());
-    return 0;
 }
 
-int list_columns(bool markdown, std::ostream& out) {
+void list_columns(bool markdown, std::ostream& out) {
     out << (markdown ? markdown_of(csv_files(), column_head, "column | unit") : plain_text_of(csv_files()));
-    return 0;
 }
 
 std::string key_help() { return plain_text_of(experiment_keys()); }

@@ -2,9 +2,6 @@
 // Files that the command line names: scenes and experiments that come with the program, and references, which cost hours, so that
 // no slip may replace one.
 
-#include "common/reader/scene_file.h"
-#include "methods/parameters.h"
-
 #include <string>
 #include <vector>
 

@@ -130,9 +130,8 @@ std::string machine_of(const Analysis& analysis, const std::string& scene, const
 }
 
 const IndexScene* scene_named(const Analysis& analysis, const std::string& name) {
-    for (const IndexScene& scene : analysis.index.scenes)
-        if (scene.name == name) return &scene;
-    return nullptr;
+    const auto found = std::ranges::find(analysis.index.scenes, name, &IndexScene::name);
+    return found == analysis.index.scenes.end() ? nullptr : &*found;
 }
 
 /// The verdict on seconds that do not compare; `cannot_be_told` of others.

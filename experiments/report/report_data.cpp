@@ -4,7 +4,6 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/curves.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/measuring/measurement_json.h"
 #include "experiments/metrics/student_t.h"
 #include "experiments/text/html.h"
 #include "experiments/text/json_record.h"
@@ -36,12 +35,11 @@ Estimate root_of_mean(const std::vector<double>& squares) {
     return root;
 }
 
-const Estimate no_estimate{std::numeric_limits<double>::quiet_NaN(), std::nullopt};
-
-void append(json& numbers, const Estimate& e) {
-    numbers.push_back(number_to_json(e.value));
-    numbers.push_back(e.interval ? number_to_json(e.interval->lo) : json(nullptr));
-    numbers.push_back(e.interval ? number_to_json(e.interval->hi) : json(nullptr));
+/// Appends a value and its interval, with nulls for what is missing.
+void append(json& numbers, const std::optional<Estimate>& e) {
+    numbers.push_back(e ? number_to_json(e->value) : json(nullptr));
+    numbers.push_back(e && e->interval ? number_to_json(e->interval->lo) : json(nullptr));
+    numbers.push_back(e && e->interval ? number_to_json(e->interval->hi) : json(nullptr));
 }
 
 /// The passes at which the labels that differ from a method's in `spp` alone stopped.
@@ -101,8 +99,8 @@ json spectra_of(const Analysis& analysis, const std::string& scene, Layer layer)
 /// A point of a sweep: x, bias^2 and variance with their intervals, and the mean squared error.
 json point_of(double x, const TableRow& row) {
     json point = {number_to_json(x)};
-    append(point, row.statistics && row.statistics->bias2 ? *row.statistics->bias2 : no_estimate);
-    append(point, row.statistics && row.statistics->variance ? *row.statistics->variance : no_estimate);
+    for (const auto part : {&ReplicateStatistics::bias2, &ReplicateStatistics::variance})
+        append(point, row.statistics ? (*row.statistics).*part : std::nullopt);
     const Field mse = corrected_mse_field(row);
     point.push_back(mse.is_measured() ? number_to_json(mse.value) : json(nullptr));
     return point;
@@ -118,16 +116,16 @@ json sweeps_of(const std::vector<BiasLaw>& laws, const std::string& scene) {
         if (sweep == sweeps.end())
             sweep = sweeps.insert(
                 sweeps.end(), json{{"method", law.name}, {"parameter", law.parameter}, {"components", json::object()}});
-        json points = json::array(), exponent = json::array();
+        json points = json::array(), exponent;
         for (const auto& [x, row] : law.rows)
             points.push_back(point_of(x, *row));
         if (law.fit) append(exponent, law.fit->exponent);
         (*sweep)["components"][std::string(name_of(law.layer))] = {
             {"points", std::move(points)},
-            {"exponent", law.fit ? exponent : json(nullptr)},
+            {"exponent", exponent},
             {"factor", law.fit ? json(law.fit->factor) : json(nullptr)},
             {"resolved", law.resolved_count},
-            {"theory", law.theory ? json(*law.theory) : json(nullptr)}};
+            {"theory", law.theory}};
     }
     return sweeps;
 }

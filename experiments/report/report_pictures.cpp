@@ -294,9 +294,8 @@ std::string note_of(const json& scenes, const std::vector<PackedFrame>& frames, 
     std::string note;
     for (const auto& [scene, entry] : scenes.items())
         if (entry["reduction"] > 1)
-            note += fmt::format("Images of {} are shown at 1/{} of the film's size: means of {} x {} pixels. ", scene,
-                                entry["reduction"].get<int>(), entry["reduction"].get<int>(),
-                                entry["reduction"].get<int>());
+            note += fmt::format("Images of {0} are shown at 1/{1} of the film's size: means of {1} x {1} pixels. ",
+                                scene, entry["reduction"].get<int>());
     if (frames.empty())
         note += "No images on the way were kept in this folder: at every time the final image is shown. ";
     else if (octaves > 15) note += "To keep the page small, only the image after the first pass is kept on the way. ";

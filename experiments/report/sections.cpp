@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <map>
+#include <ranges>
 
 namespace gib {
 
@@ -141,12 +142,6 @@ Section footing_section(const Analysis& analysis) {
     return section;
 }
 
-Entry entry_of(Field field, Mark mark) {
-    Entry entry{field};
-    entry.mark = mark;
-    return entry;
-}
-
 Section verdict_section(const Analysis& analysis) {
     Section section{
         "Which method is cheapest, and why",
@@ -170,9 +165,9 @@ Section verdict_section(const Analysis& analysis) {
                 {.scene = scene,
                  .entries = {{v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
                              method_entry(v.method, v.method.empty() ? "none" : v.method),
-                             entry_of(v.seconds, v.is_best                 ? Mark::best
-                                                 : v.seconds.is_measured() ? Mark::none
-                                                                           : Mark::grey),
+                             {v.seconds, v.is_best                 ? Mark::best
+                                         : v.seconds.is_measured() ? Mark::none
+                                                                   : Mark::grey},
                              {v.factor},
                              {v.error},
                              {v.parts},
@@ -211,8 +206,7 @@ Section crossover_section(const Analysis& analysis) {
 /// The other methods' errors as multiples of the best one's.
 std::string others_text(const EqualTimeRow& row) {
     std::string text;
-    for (const Contender& c : row.ranking) {
-        if (&c == &row.ranking.front()) continue;
+    for (const Contender& c : row.ranking | std::views::drop(1)) {
         const std::string number = c.standing == Standing::no_image
                                        ? line_of(Field{State::no_image, c.first_image})
                                        : short_number(std::sqrt(c.mean / row.ranking.front().mean)) +

@@ -395,11 +395,7 @@ CsvTable curves_table(const Analysis& analysis) {
         for (const auto& [checkpoint, errors] : cell.checkpoints) {
             const auto total = errors.find(Layer::total);
             const double nan = std::numeric_limits<double>::quiet_NaN();
-            const ImageError error =
-                total != errors.end()
-                    ? total->second
-                    : ImageError{
-                          .mse = nan, .rmse = nan, .rel_mse = nan, .mse_corrected = nan, .rel_mse_corrected = nan};
+            const ImageError error = total != errors.end() ? total->second : ImageError{nan, nan, nan, nan, nan};
             table.add({cell.scene, cell.method, std::to_string(cell.seed), std::to_string(checkpoint.passes),
                        csv_number(checkpoint.seconds), csv_number(cell.prepare_seconds),
                        std::to_string(checkpoint.passes), std::to_string(checkpoint.counts.photons),
