@@ -139,8 +139,12 @@ template <typename Options, typename Work>
 void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
     command->callback([=, &action] {
         action = [=] {
-            if constexpr (std::is_void_v<decltype(work(*options))>) return work(*options), 0;
-            else return work(*options);
+            if constexpr (std::is_void_v<decltype(work(*options))>) {
+                work(*options);
+                return 0;
+            } else {
+                return work(*options);
+            }
         };
     });
 }
@@ -288,7 +292,10 @@ void add_list(CLI::App& app, Action& action) {
     };
     const auto add = [&](const char* kind, const char* sentence, void (*print)(std::ostream&)) {
         command->add_subcommand(kind, sentence)->callback([&action, print] {
-            action = [print] { return print(std::cout), 0; };
+            action = [print] {
+                print(std::cout);
+                return 0;
+            };
         });
     };
     add_with_flag("methods", "methods that can be run", "--parameters",
@@ -305,7 +312,10 @@ void add_completion(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("completion", "print a script that completes the command line in a shell");
     command->require_subcommand(1);
     command->add_subcommand("bash", "for bash: source <(gibench completion bash)")->callback([&] {
-        action = [&app] { return std::cout << bash_completion(app), 0; };
+        action = [&app] {
+            std::cout << bash_completion(app);
+            return 0;
+        };
     });
 }
 
