@@ -13,6 +13,7 @@
 // noisy as that of `path`.
 #include "common/scene/scene.h"
 #include "methods/guided_path/guided_directions.h"
+#include "methods/parts/photons/find_guide.h"
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
@@ -96,7 +97,7 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {{"cells", std::to_string(field_.leaf_count())},
                 {"quadtree_nodes", std::to_string(field_.node_count())},
-                {"guided", pays() ? "yes" : "no"}};
+                guide_fact(pays())};
     }
     StoredLight stored_light() const override {
         return {.cells = field_.cells(depth_of_cells), .changes_with_passes = learns_};
