@@ -47,7 +47,8 @@ void Film::add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample)
     }
 }
 
-ComponentImages Film::mean(std::uint32_t passes) const {
+ComponentImages Film::mean(std::uint64_t samples) const {
+    const auto count = static_cast<double>(samples);
     ComponentImages images;
     images.width = width_;
     images.height = height_;
@@ -57,7 +58,7 @@ ComponentImages Film::mean(std::uint32_t passes) const {
         if (sums_[c].empty()) continue;
         Image image(width_, height_);
         for (std::size_t i = 0; i < image.rgb.size(); ++i)
-            image.rgb[i] = static_cast<float>(sums_[c][i] / passes);
+            image.rgb[i] = static_cast<float>(sums_[c][i] / count);
         images.parts[c] = std::move(image);
     }
     return images;

@@ -28,8 +28,8 @@ public:
     /// Adds the sample of `pixel` (row-major index) in `pass` (counted from 0). Throws std::logic_error for light in
     /// a component that is not accumulated, which is a mistake of the plan.
     void add(std::size_t pixel, std::uint32_t pass, const PixelSample& sample);
-    /// The mean over `passes` samples of each pixel [W/(sr m^2)].
-    ComponentImages mean(std::uint32_t passes) const;
+    /// The mean over `samples` samples of each pixel [W/(sr m^2)].
+    ComponentImages mean(std::uint64_t samples) const;
     NonFinite non_finite() const;
 
 private:

@@ -124,7 +124,8 @@ private:
     Film film_;
     RadianceField field_;
     std::uint64_t rays_ = 0;
-    std::uint32_t passes_ = 0, weights_ = 0;  ///< the second: of all passes
+    std::uint32_t passes_ = 0;
+    std::uint64_t weights_ = 0;  ///< sum of the weights of all passes
 };
 
 class GuidedPath final : public Method {

@@ -222,14 +222,18 @@ private:
 
     // Two kinds of samples make each state, N independent ones of density 1 and M states of chains of density f / b. The balance
     // heuristic weighs them (Kelemen et al. 2002, section 5), so that chains do not have to visit what is dim. Instead of b,
-    // which belongs to the samples themselves, the weights have its estimate from earlier ones.
+    // which belongs to the samples themselves, the weights have its estimate from earlier ones. The weights of a pass are constants
+    // for its own samples, and their sum is 1 at every state, so that no estimate of b, however wrong, biases the image. While no
+    // earlier sample has found light, the independent ones make all of it.
     double samples_at(double size) const {
         const auto states = static_cast<double>(chains_ * steps_);
-        return static_cast<double>(starts_) + large_steps_ * states + states * size / expected_mean_;
+        const double of_chains = expected_mean_ > 0 ? states * size / expected_mean_ : 0;
+        return static_cast<double>(starts_) + large_steps_ * states + of_chains;
     }
     void splat_independent(const State& state) { splat(state, light_paths_.count / samples_at(state.size)); }
     void splat_state(const State& state, double times_mean) {
-        splat(state, times_mean * light_paths_.count / (expected_mean_ * samples_at(state.size)));
+        if (expected_mean_ > 0)
+            splat(state, times_mean * light_paths_.count / (expected_mean_ * samples_at(state.size)));
     }
     void splat(const State& state, double factor) {
         if (!(factor > 0) || !(state.size > 0)) return;
@@ -251,7 +255,7 @@ private:
     SplatFilm film_;
     PassOfPaths pass_;
     std::size_t chains_, steps_, starts_;          ///< of a pass; steps are those of one chain
-    double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, and the sum over passes
+    double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, 0 if no light is known; its sum over passes
     std::uint64_t rays_ = 0;
     std::uint32_t passes_ = 0;
 };

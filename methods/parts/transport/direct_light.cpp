@@ -1,5 +1,6 @@
 #include "methods/parts/transport/direct_light.h"
 
+#include "common/sampling/power_heuristic.h"
 #include "methods/parts/transport/scattered_ray.h"
 
 namespace gib {
