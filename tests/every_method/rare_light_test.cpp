@@ -25,13 +25,13 @@ std::string view(double half_width, std::string_view from, std::string_view to, 
 std::string black_rectangle(const std::string& placed) { return shape("rectangle", placed, one_sided("0")); }
 
 /// The integral of cos cos / r^2 over a square of this half width at height z over the origin, seen from p with the normal n [sr].
-double projected_square(const Vec3d& p, const Vec3d& n, double half, double z, double side) {
+double projected_square(const Vec3d& p, const Vec3d& n, double half, double z) {
     constexpr int steps = 32;
     double sum = 0;
     for (int i = 0; i < steps; ++i)
         for (int j = 0; j < steps; ++j) {
             const Vec3d q(half * (2 * (i + 0.5) / steps - 1), half * (2 * (j + 0.5) / steps - 1), z), way = q - p;
-            sum += n.dot(way) * (-side * way.z()) / sqr(way.squaredNorm());
+            sum += n.dot(way) * std::abs(way.z()) / sqr(way.squaredNorm());
         }
     return sum * sqr(2 * half / steps);
 }
@@ -41,8 +41,8 @@ double projected_square(const Vec3d& p, const Vec3d& n, double half, double z, d
 Room card_room() {
     const Vec3d up(0, 0, 1), target(0, 1, 0.5), towards_card(0, -1, 0);
     // The irradiance of the card's middle is within 0.1 % of its mean: (0.025 / 1)^2 = 6e-4.
-    const double card = 0.9 / pi_d * 200 * projected_square({0, 0, 0}, up, 0.1, 1, 1);
-    const double radiance = 0.7 / pi_d * card * projected_square(target, towards_card, 0.025, 0, -1);
+    const double card = 0.9 / pi_d * 200 * projected_square({0, 0, 0}, up, 0.1, 1);
+    const double radiance = 0.7 / pi_d * card * projected_square(target, towards_card, 0.025, 0);
     return {test::Scene(
                 view(0.005, "0, 0.9, 0.5", "0, 1, 0.5", "0, 0, 1"),
                 shape("rectangle", to_world(scale(0.025)), diffuse(0.9)),
@@ -82,7 +82,7 @@ Room hole_room() {
     return {test::Scene(view(0.002, "0, 0, 0.02", "0, 0, 0", "0, 1, 0"),
                         shape("rectangle", to_world(scale(half)), diffuse(0.5)), box, constant_light(100))
                 .load(),
-            Component::direct, 0.5 / pi_d * 100 * projected_square({0, 0, 0}, {0, 0, 1}, hole, half, 1), "max_depth=2"};
+            Component::direct, 0.5 / pi_d * 100 * projected_square({0, 0, 0}, {0, 0, 1}, hole, half), "max_depth=2"};
 }
 
 std::vector<MethodUnderTest> unbiased_methods() {
@@ -93,15 +93,23 @@ std::vector<MethodUnderTest> unbiased_methods() {
 
 class RareLight : public OfAMethod {
 protected:
-    // Whatever a method does with what its first passes have found, it shows in few passes of many seeds. The mean of all seeds is
-    // within 4.5 of its standard errors, by Chebyshev's tails of skewed sums of at least 20 finds well below 1e-3 for each test.
+    // Few passes of many seeds show what a method does with first passes that have found nothing. The means of all seeds are sums of some
+    // twenty finds or more, each of which the standard error of 400 seeds knows: 4.5 standard errors are exceeded with a
+    // probability below 1e-3 in each of the fifteen tests (skewness of a Poisson number of 20: 0.22). Paths from the lights alone seldom
+    // reach what the camera sees: they are only not too bright.
     void expect_closed_form(const Room& room) {
         constexpr std::uint32_t passes = 8;
-        constexpr std::size_t seeds = 400;
+        const std::size_t seeds = method().samples_pixels() ? 400 : 50;
+        // Importons would take most of the time, and find nothing here.
+        const auto& parameters = method().description->parameters;
+        const bool has_guide =
+            std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.name == "guide"; });
+        const std::string label =
+            method().label + " " + room.settings + (has_guide && method().samples_pixels() ? " guide=off" : "");
         std::vector<double> means(seeds);
         parallel_blocks(seeds, 1, [&](std::size_t i, std::size_t, std::size_t) {
             StageTimes stages;
-            const auto run = ConfiguredMethod(MethodLabel::parse(method().label + " " + room.settings))
+            const auto run = ConfiguredMethod(MethodLabel::parse(label))
                                  .create({room.scene.max_edges})
                                  ->start(*room.scene.scene, i + 1, stages);
             for (std::uint32_t pass = 0; pass < passes; ++pass)
@@ -113,8 +121,10 @@ protected:
             moments.add(mean / room.radiance);
         fmt::print("{}: {:.3f} +- {:.3f}, {} of {} black\n", method().label, moments.mean(), moments.standard_error(),
                    moments.zeros(), seeds);
-        EXPECT_NEAR(moments.mean(), 1, 4.5 * moments.standard_error());
-        EXPECT_LT(moments.standard_error(), 0.3) << "too little light was found";
+        EXPECT_LT(moments.mean(), 1 + 4.5 * moments.standard_error());
+        if (!method().samples_pixels()) return;
+        EXPECT_GT(moments.mean(), 1 - 4.5 * moments.standard_error());
+        EXPECT_LT(moments.standard_error(), 0.25) << "too little light was found for a test";
     }
 };
 INSTANTIATE_TEST_SUITE_P(Registry, RareLight, testing::ValuesIn(unbiased_methods()), name_of_method);
