@@ -7,8 +7,8 @@ A document may use a name only as the program does, so these are its rules:
 - "column `x`", "columns `x` and `y`", "`table.csv`: `x`" and "`x` of `table.csv`" name columns, "key `x`" keys of experiments.
 - `key = "value"` and `[table]` are lines of experiments, or of the TOML files that the document's folder has.
 - `--option` belongs to the program or to a script. In comments of TOML files this holds without code font, too.
-- A word with an underscore, such as `rel_mse`, is printed by the program or stands in its source. In documents for users
-  this holds for every word: it is a name that the program prints, a text in its source, or a file.
+- A word with an underscore, such as `rel_mse`, is printed by the program or stands in a source file. In documents for users
+  every word is a name that the program prints, a text in its source, or a file. Words shorter than three letters are symbols.
 Capitals stand for something else, as in `gather=N`; so does what follows `--set`, which is a parameter of a scene.
 """
 import functools
@@ -18,7 +18,7 @@ import os
 import re
 import subprocess
 
-from readme_checks import PROGRAMS, Span, is_placeholder, read, take_spans
+from readme_checks import PROGRAMS, Span, is_placeholder, is_script, read, take_spans
 
 PAIR = r"(?<![\w.\-/$=?&])[a-z]\w*=(?!=)[\w.+-]*\w(?:,[\w.+-]*\w)*"
 LABEL = re.compile(rf"(?:(?<![\w.-])([a-z]\w*)\s+)?({PAIR}(?:\s+{PAIR})*)")
@@ -26,7 +26,7 @@ METHOD_BEFORE = re.compile(r"(\w+)`?\s+(?:with\s+|\()?`?$")
 LIST = r"(?P<names>`[^`]+`(?:(?:,\s*|\s+)(?:(?:and|or)\s+)?`[^`]+`)*)"
 FILE = r"(?P<file>`?[\w-]+\.\w+`?)"
 OTHERS = r"(?P<others>\b(?:components?|stages?)\s+)?"
-WORD = r"[a-z][a-z0-9_]*(?:\.\d[a-z0-9_]*)?"
+WORD = r"[a-z]{3}[a-z0-9_]*(?:\.\d[a-z0-9_]*)?"
 FOR_USERS = re.compile(r"README\.md|experiments/[\w-]+\.(md|toml)")
 
 
@@ -98,20 +98,10 @@ class Names:
         return set(re.findall(r"(?<![\w-])--[a-z][\w-]*", "".join(texts)))
 
     @functools.cached_property
-    def source(self):
-        kinds = (".h", ".cpp", ".js", ".py", ".cmake", ".txt", ".json", ".xml")
-        names = [name for name in self.checker.files if name.endswith(kinds) or re.fullmatch(r"scripts/[\w-]+", name)]
-        return {name: read(os.path.join(self.checker.root, name)) for name in names}
-
-    @functools.cached_property
     def printed(self):
-        """Names that the program prints, and words that its parameters and keys take as values."""
+        """Names that the program prints."""
         words = {*PROGRAMS, *re.findall(r"[\w-]+", self.ask("completion", "bash").stdout)}
-        for sections in self.lists.values():
-            for name, section in sections.items():
-                values = re.findall(r"(?:(?<=[(|\"])|(?<=, )|(?<=or ))(\w+)(?=[|;,\"])", " ".join(section.values()))
-                words |= {name, *section, *values}
-        return words
+        return words.union(*self.lists.values(), *itertools.chain(*(one.values() for one in self.lists.values())))
 
     @functools.cached_property
     def source(self):
@@ -125,9 +115,14 @@ class Names:
             except UnicodeDecodeError:
                 continue
             words |= set(re.findall(r"\w+", text))
-            if not name.startswith(("tests/", "scenes/")):
+            if name.startswith(("common/", "methods/", "experiments/", "scripts/")) and not name.endswith(".js"):
                 texts |= set(re.findall(r"\"(\w+)\"", text))
         return words, texts
+
+    def is_foreign(self, text):
+        """Whether it is a command of another program, whose options and pairs are its own."""
+        first = text.split()[0]
+        return re.match(r"[\w.-]+\s.*(?<!\S)-", text) and first not in self.printed and not is_script(first)
 
     # Labels
 
@@ -143,13 +138,15 @@ class Names:
                     yield f"{document.name}:{field.line + line - 1}: {label}: {why}"
 
     def refused_in(self, field, document):
+        if field in document.spans and self.is_foreign(field.text):
+            return
         text = re.sub(r"--set\s+\S+", lambda match: " " * len(match[0]), field.text)
         for match in re.finditer(r"--method[ =][\"']?([a-z]\w*)", text):
             if match[1] not in self.methods:
                 yield line_of(text, match.start()), match[1], "there is no such method"
         for match in LABEL.finditer(text):
             pairs = [pair.partition("=")[::2] for pair in match[2].split()]
-            named = METHOD_BEFORE.search(field.before)
+            named = METHOD_BEFORE.search(field.before + text[:match.start(2)])
             is_label = match[1] and field in document.spans and match[0] == text.strip(' "')
             if is_label or match[1] in self.methods:
                 why = self.refusal(match[1], pairs, is_whole=True)
@@ -202,7 +199,7 @@ class Names:
             for match in re.finditer(pattern, document.marked_prose):
                 place = f"{document.name}:{line_of(document.marked_prose, match.start('names'))}"
                 groups = match.groupdict(default="")
-                for name in re.findall(rf"`({WORD})`", match["names"] * (not groups.get("others"))):
+                for name in re.findall(r"`([a-z]\w*(?:\.\d\w*)?)`", match["names"] * (not groups.get("others"))):
                     file = groups.get("file", "").strip("`")
                     found[place, name, file] = (document, place, name, file)
         return found.values()
@@ -212,7 +209,7 @@ class Names:
         tables = {"": set().union(*tables.values()), **tables}
         for _, place, name, file in self.listed(
                 rf"\bcolumns?\s+{LIST}(?:\s+(?:of|in)\s+{FILE})?", rf"{LIST}\s+columns?\b(?:\s+(?:of|in)\s+{FILE})?",
-                rf"{OTHERS}{LIST}\s+(?:of|in)\s+{FILE}", rf"{FILE}:\s+{LIST}"):
+                rf"{OTHERS}{LIST}\s+(?:of\s+|in\s+|\(){FILE}", rf"{FILE}(?::\s+|\s+\(){LIST}"):
             if name not in tables.get(file, name):
                 yield f"{place}: {name}: {f'{file} has no' if file else 'no CSV file has'} such column"
         for document in self.documents:
@@ -233,7 +230,7 @@ class Names:
         for document in self.documents:
             for span in document.spans:
                 place = f"{document.name}:{span.line}"
-                line = re.fullmatch(rf"({WORD}) = [\"\[{{\dtf-].*(?<!;)|\[+({WORD})\]+", span.text)
+                line = re.fullmatch(rf"({WORD}) = (?:\".*\"|\[.*\]|{{.*}}|[\d.]+|true|false)|\[+({WORD})\]+", span.text)
                 if line:
                     found.append((document, place, line[1] or line[2], keys if line[1] else tables))
                     found += [(document, place, name, tables.get(line[1], ()))
@@ -245,8 +242,7 @@ class Names:
     def unknown_options(self):
         for document in self.documents:
             fields = [Span(1, document.prose)] * isinstance(document, Comments)
-            fields += [span for span in document.spans if re.match(r"-", span.text) or span.text.split()[0] in self.printed]
-            for field in fields:
+            for field in fields + [span for span in document.spans if not self.is_foreign(span.text)]:
                 text = re.sub(r"\"[^\"]*\"", lambda match: " " * len(match[0]), field.text)
                 for match in re.finditer(r"(?<![\w-])--[a-z][\w-]*", text):
                     if match[0] not in self.options:
