@@ -74,6 +74,19 @@ class Block(NamedTuple):
 class Span(NamedTuple):
     line: int
     text: str
+    before: str = ""  # what stands before it in its paragraph
+
+
+def take_spans(text):
+    """The text with its code spans blanked out, and these."""
+    spans = []
+
+    def blank(match):
+        before = text[:match.start()].rpartition("\n\n")[2]
+        spans.append(Span(1 + text.count("\n", 0, match.start()), " ".join(match[2].split()), before))
+        return re.sub(r"[^\n]", " ", match[0])
+
+    return re.sub(r"(?<!`)(`+)(?!`)((?:(?!\n\s*\n).)+?)(?<!`)\1(?!`)", blank, text, flags=re.DOTALL), spans
 
 
 class Document:
@@ -109,15 +122,9 @@ class Document:
                 continue
             prose.append("")
             after_blank = "code" if indented else True
-        self.prose, self.spans = "\n".join(prose), []
-        self.marked_prose = self.prose
-
-        def blank(match):
-            line = 1 + self.prose.count("\n", 0, match.start())
-            self.spans.append(Span(line, " ".join(match[2].split())))
-            return re.sub(r"[^\n]", " ", match[0])
-
-        self.prose = re.sub(r"(?<!`)(`+)(?!`)((?:(?!\n\s*\n).)+?)(?<!`)\1(?!`)", blank, self.prose, flags=re.DOTALL)
+        self.marked_prose = "\n".join(prose)
+        self.prose, self.spans = take_spans(self.marked_prose)
+        self.code = "".join(block.text() for block in self.blocks)
 
     def anchors(self):
         """GitHub's names of the headings."""
@@ -325,8 +332,8 @@ class Checker:
                     if not re.search(rf"\b{re.escape(label)}\b", self.cmake):
                         yield f"no CMakeLists.txt has the label {label!r}"
 
-    def wrong_inline_commands(self):
-        for document in self.documents:
+    def wrong_inline_commands(self, documents=None):
+        for document in documents or self.documents:
             for span in document.spans:
                 words = words_of(span.text)
                 if len(words) > 1 and is_command(span.text) and not words[1].startswith("..."):

@@ -1,4 +1,5 @@
-"""Tests of every *.md file: links, named files, commands, experiment files: readme_test.py GIBENCH [SECONDS]
+"""Tests of every *.md file: links, named files, commands, experiment files, and of the labels, columns, keys and options
+that these and the comments of *.toml files name: readme_test.py GIBENCH [SECONDS]
 
 GIBENCH is the program. SECONDS is the longest time that one command may take; default: 120. The commands of each
 document run from top to bottom in a scratch folder that looks like the top of the repository.
@@ -10,6 +11,7 @@ import tempfile
 import unittest
 
 from readme_checks import Checker, Scratch, exit_codes
+from readme_names import Names
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
@@ -22,6 +24,7 @@ class DocumentTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.checker = checker_of(ROOT)
+        cls.names = Names(cls.checker)
 
     def none(self, problems):
         problems = list(problems)
@@ -40,6 +43,24 @@ class DocumentTest(unittest.TestCase):
 
     def test_inline_commands_exist(self):
         self.none(self.checker.wrong_inline_commands())
+
+    def test_program_takes_every_label(self):
+        self.none(self.names.refused_labels())
+
+    def test_named_columns_exist(self):
+        self.none(self.names.unknown_columns())
+
+    def test_named_keys_exist(self):
+        self.none(self.names.unknown_keys())
+
+    def test_named_options_exist(self):
+        self.none(self.names.unknown_options())
+
+    def test_words_are_those_of_program_or_source(self):
+        self.none(self.names.unknown_words())
+
+    def test_commands_in_comments_exist(self):
+        self.none(self.names.wrong_commands())
 
     def test_commands_and_experiments_work(self):
         for document in self.checker.documents:
@@ -122,6 +143,66 @@ class CheckerTest(unittest.TestCase):
                     "3: scripts/fuzz --minutes 3: it has no option --minutes", "no option --sneeds",
                     "4: gibench plan scenes/none.xml: there is no file scenes/none.xml", "5: ctest", "no preset 'fuzz'",
                     "no CMakeLists.txt has the label 'slow'", "6: cmake", "option GIB_NONE", "buildPresets")
+
+    def names(self, text, comments=""):
+        self.write("experiments/mine.toml", comments + "\n[[method]]\nname = \"vcm\"\n")
+        return Names(self.checker(text, "experiments/README.md"))
+
+    def test_labels(self):
+        good = "`photon_mapper photons=1e4 gather=8 cache=on` `cache=on` `spacing=diagonals` `gather=N` `-x=1` `x <= 3`\n" \
+               "`--set rho=0.9` `--vary \"radius=0.1..0.2\"` `srun -e x=2` `vcm` with `radius=0.01`\n\n" \
+               "| `path spp=4` | the same, spp=8 | vcm radius=0.1, k = 5 | x=\"y\" |\n"
+        self.expect(self.names(good, "# vcm radius=0.01: `radius=0.02`, with radius=0.03.\n").refused_labels())
+        names = self.names("`photon_mapper cache=on` `adapt=off` `cache=on gather=0` `kernel=cone,flat` `glass spp=4`\n"
+                           "`path` with `gather=8` `--method none` `photon_mapper gather=N adapt=N`\n\n"
+                           "| `spacing=metres` | path spp=8 k=5 | the same, sampler=none |\n",
+                           "# x\n# cache=on\n# vcm\n# spp=none\n\n# path with guide=on\n")
+        self.expect(names.refused_labels(), "README.md:1: photon_mapper cache=on: parameter 'cache' has no effect",
+                    "adapt=off: no method", "cache=on gather=0: parameter 'cache'", "kernel=cone,flat: parameter",
+                    "glass spp=4: unknown method", "2: gather=8: path has no", "2: none: there is no such method",
+                    "gather=N adapt=N: photon_mapper has no parameter adapt", "4: spacing=metres: parameter",
+                    "4: spp=8 k=5: path has no parameter k", "4: sampler=none: parameter 'sampler'",
+                    "mine.toml:2: cache=on: no method", "mine.toml:4: spp=none: parameter 'spp'",
+                    "mine.toml:6: guide=on: path has no")
+
+    def test_named_columns(self):
+        good = "The columns `scene`, `method` and `seconds_to_0.5pct_lo` of `table.csv`, column `stage`,\n" \
+               "`x` of `a.csv`, table.csv: `rmse`; the stages `links` and `solution` in stages.csv `--columns flip,rmse`\n"
+        self.expect(self.names(good, "# (table.csv: `component`)").unknown_columns())
+        names = self.names("columns `scene` and `layer`, the `layer` column, column `frequency` of `table.csv`\n"
+                           "`seconds` and `seconds_to_3pct` in table.csv, `--columns flip,none`\n",
+                           "# x\n# (table.csv: `bias2`,\n# `layer`)\n")
+        self.expect(sorted(names.unknown_columns()), "README.md:1: frequency: table.csv", "README.md:1: layer: no CSV",
+                    "README.md:2: none: --columns", "README.md:2: seconds_to_3pct: table.csv",
+                    "mine.toml:2: layer: table.csv")
+
+    def test_named_keys(self):
+        self.expect(self.names("Keys `seeds` and `minutes`, key `x` of `a.json`, `label` of a `[[method]]`, `[tune]` `[a, b]`\n"
+                               "`seeds = 3` `budget = { passes = 4 }` `gather = 8` `is_good = true;` `a = b`\n").unknown_keys())
+        self.expect(self.names("keys `seeds` and `steps`, `none` of a `[[method]]`, `[limits]`\n`steps = 3`\n"
+                               "`budget = { minutes = 4 }` `fresh = true`\n").unknown_keys(),
+                    "1: steps", "1: none", "1: limits", "2: steps", "3: minutes", "3: fresh")
+
+    def test_named_options(self):
+        self.expect(self.names("`--fresh` `--sbatch \"--none=1\"` `srun --none` `--crop 1,2` `run --seeds N`",
+                               "# with --only or `--vary \"k=1..2\"`\n").unknown_options())
+        self.expect(self.names("`--none`\n`--seeds N --colour` `run --sneeds`", "# x\n# with --none\n").unknown_options(),
+                    "1: --none", "2: --colour", "2: --sneeds", "mine.toml:2: --none")
+
+    def test_named_words(self):
+        self.expect(self.names("`rmse` `photons` `gibench` `scenes` `compare` `f()` `E` `wX_y` `_lo` `quality`\n"
+                               "```toml\nquality = 3\n```\n", "# `vcm` `name`\n").unknown_words())
+        names = self.names("`layer`\n`rel_mse_gone`", "# x\n# `layer`\n")
+        names.documents.append(self.checker("`estimate` `gone`\n`photon_gone` `p_l`\n", "methods/README.md").documents[-1])
+        self.expect(names.unknown_words(), "1: layer", "2: rel_mse_gone", "mine.toml:2: layer",
+                    "methods/README.md:2: photon_gone")
+
+    def test_commands_in_comments(self):
+        self.expect(self.names("`gibench run first-look --fresh` `gibench plan cornell-box` `gibench run my.toml`\n",
+                               "# `gibench run first-look`; needs scripts/meshes\n").wrong_commands())
+        self.expect(self.names("`gibench plan none` `gibench run cornell-box`", "# `gibench dance now`\n# ./scripts/none\n"
+                               ).wrong_commands(), "mine.toml:1: gibench dance now", "mine.toml:2: scripts/none",
+                    "README.md:1: gibench plan none", "README.md:1: gibench run cornell-box")
 
     def blocks(self, text):
         checker = self.checker(text)
