@@ -58,6 +58,7 @@ std::map<std::string, std::string> machine_in(const nlohmann::json& j) {
 
 std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     nlohmann::ordered_json j;
+    j["format"] = results_format;
     j["title"] = index.title;
     j.update(machine_json());
     j["executable_sha1"] = executable_hash();

@@ -166,9 +166,22 @@ std::string ResultFolder::method_file(const std::string& scene, const std::strin
     return fmt::format("{}/images/{}-{}{}", path_, scene, name, ending);
 }
 
+void ResultFolder::require_known_format() const {
+    for (const char* name : {"index.json", "manifest.json"}) {
+        const std::string path = file(name);
+        if (!std::filesystem::exists(path)) continue;
+        const json j = json::parse(read_file(path), nullptr, false);
+        if (!j.is_object() || !j.contains("format") || j["format"] == results_format) continue;
+        reject({path},
+               "the results are of another format, {}, and this program reads only {}: use the version of gibench that "
+               "made them",
+               j["format"].dump(), json(results_format).dump());
+    }
+}
+
 void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
-    j["format"] = "gibench results 1";
+    j["format"] = results_format;
     j["effects_missing"] = json::array();
     for (const auto& [cell, left_out] : index.left_out)
         j["effects_missing"].push_back({{"scene", cell.first},
@@ -181,6 +194,7 @@ void ResultFolder::write_index(const ResultIndex& index) const {
 ResultIndex ResultFolder::read_index() const {
     const std::string path = file("index.json");
     if (!std::filesystem::exists(path)) reject({}, "'{}' holds no results: there is no {}", path_, path);
+    require_known_format();
     try {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();

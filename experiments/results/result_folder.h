@@ -14,6 +14,9 @@
 
 namespace gib {
 
+/// The format of a result folder, which its index and its manifest name. A program reads no other format.
+inline constexpr const char* results_format = "gibench results 1";
+
 /// The name of the sum of all components in tables.
 inline constexpr const char* total_name = "total";
 
@@ -129,8 +132,11 @@ public:
     /// folder. A share that begins a command's cell at the same time may still lose its folder, and the cell fails.
     void remove_leftovers() const;
 
+    /// Throws InputError if the index or the manifest names another format than results_format. Files that name none, or
+    /// cannot be read, are accepted.
+    void require_known_format() const;
     void write_index(const ResultIndex& index) const;
-    /// Throws InputError if the folder holds no results.
+    /// Throws InputError if the folder holds no results, or results of another format.
     ResultIndex read_index() const;
     void write_cell(const std::string& folder_name, const Cell& cell) const;
     /// Reads the record of a cell. Empty if there is no complete cell with this key, or if its record or image is

@@ -162,7 +162,9 @@ bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& or
 int repeat_run(const std::string& results, RunOptions options, std::ostream& out) {
     const InterruptGuard guard;
     const std::string folder = named_folder(results);
-    const Manifest manifest = read_manifest(folder + "/manifest.json");
+    const ResultFolder original(folder);
+    original.require_known_format();
+    const Manifest manifest = read_manifest(original.file("manifest.json"));
     if (manifest.cells.empty()) throw InputError({folder + "/manifest.json"}, "no cell is complete");
     if (!options.out) options.out = folder + "-repeat";
     if (std::error_code ignored; fs::equivalent(*options.out, folder, ignored))
@@ -171,7 +173,6 @@ int repeat_run(const std::string& results, RunOptions options, std::ostream& out
     options.threads = manifest.threads;
     warn_of_differences(manifest.machine);
 
-    const ResultFolder original(folder);
     RunSetup setup = checked_setup(experiment_of(manifest), options);
     require_same_scenes(manifest, setup);
     RunSession run(std::move(setup), options, FolderUse::alone);

@@ -28,6 +28,7 @@ void require_no_share(const ResultFolder& folder) {
 
 /// Makes the folder, and locks it if this process works there alone.
 std::optional<FileLock> opened(const ResultFolder& folder, FolderUse use) {
+    folder.require_known_format();
     folder.prepare();
     const std::string references = fs::path(cached_reference_path("")).parent_path().string();
     ResultFolder::make(references);
