@@ -135,8 +135,7 @@ TEST(ForeignFiles, PolarizersLetHalfOfTheLightThrough) {
 TEST(ForeignFiles, APhongAbove1WithATextureIsScaledDown) {
     expect_radiance(
         load_file("phong-with-texture-0.6"), (0.99 + 0.66 * 1.1) / 2,
-        {"phong's diffuse_reflectance and specular_reflectance exceed 1 together: both are scaled down by 0.66"}, 0.02,
-        256);
+        {"phong's diffuse_reflectance and specular_reflectance exceed 1 together: both are scaled down by 0.66"}, 256);
 }
 
 TEST(ForeignFiles, OfAValueThatIsGivenTwiceTheLastOneCountsBefore3) {
