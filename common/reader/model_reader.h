@@ -22,11 +22,22 @@ public:
     Model* operator->() { return &model_; }
     Properties& properties() { return properties_; }
 
-    /// Reads a colour. `Set` is a lambda without captures that puts it into the model.
+    /// Reads a colour. `Set` is a lambda without captures that puts it into the model. A reflectance above 1 is scaled down in
+    /// old files.
     template <typename Set>
     void color(const std::string& name, float fallback, ColorRange range, Set set, float highest = infinity) {
-        const Texture texture = parse_textured(properties_, name, fallback, range, files_);
+        const bool scales = range == ColorRange::unit && scales_reflectances();
+        Texture texture =
+            parse_textured(properties_, name, fallback, scales ? ColorRange::non_negative : range, files_);
         check_highest(name, texture, highest);
+        if (const float most = texture.maximum().maxCoeff(); scales && most > 1.f) {
+            properties_.warn(name, "'{}' is above 1: it is scaled down to {}", name, scaled_reflectance);
+            texture = scaled(texture, scaled_reflectance / most);
+        }
+        put(texture, set);
+    }
+    template <typename Set>
+    void put(const Texture& texture, Set set) {
         set(model_, texture.maximum());
         if (texture.constant()) return;
         parameters_.push_back({texture, [](Scattering& s, const Color& c) { Set{}(std::get<Model>(s), c); }, nullptr});
@@ -40,8 +51,8 @@ public:
         if (texture.constant()) return;
         parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
     }
-    void reflectance(float fallback = 1.f) {
-        color("specular_reflectance", fallback, ColorRange::unit,
+    void reflectance() {
+        color("specular_reflectance", 1.f, ColorRange::unit,
               [](Model& m, const Color& c) { m.specular_reflectance = c; });
     }
     void transmittance() {
@@ -52,26 +63,39 @@ public:
         color("diffuse_reflectance", 0.5f, ColorRange::unit,
               [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
     }
+    /// Reads the diffuse and the specular reflectance of a model that is the sum of both, such as phong. Where their highest
+    /// values exceed 1 together, both are scaled down.
+    void reflectance_pair() {
+        const ColorRange range = scales_reflectances() ? ColorRange::non_negative : ColorRange::unit;
+        Texture diffuse = parse_textured(properties_, "diffuse_reflectance", 0.5f, range, files_),
+                specular = parse_textured(properties_, "specular_reflectance", 0.2f, range, files_);
+        const float sum = (diffuse.maximum() + specular.maximum()).maxCoeff();
+        if (!(sum <= 1.f + unit_roundoff)) {
+            const float scale = (scales_reflectances() ? scaled_reflectance : 1.f) / sum;
+            diffuse = scaled(diffuse, scale);
+            specular = scaled(specular, scale);
+            properties_.ids().warn(properties_.element().where,
+                                   fmt::format("{}'s diffuse_reflectance and specular_reflectance exceed 1 together: "
+                                               "both are scaled down by {:.4g}",
+                                               properties_.element().required("type").value, scale));
+        }
+        put(diffuse, [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
+        put(specular, [](Model& m, const Color& c) { m.specular_reflectance = c; });
+    }
     /// Whether a parameter that has been read is a texture.
     bool varies() const { return !parameters_.empty(); }
-    /// Scales both reflectances down if they exceed 1 together, as Mitsuba 0.6 does. Throws InputError if one of them varies.
-    void conserve_energy() {
-        const float sum = (model_.diffuse_reflectance + model_.specular_reflectance).maxCoeff();
-        if (sum <= 1.f + unit_roundoff) return;
-        const SourceLocation& where = properties_.element().where;
-        const std::string& type = properties_.element().required("type").value;
-        if (varies())
-            gib::reject(where, "{}'s diffuse_reflectance and specular_reflectance must not exceed 1 together", type);
-        model_.diffuse_reflectance /= sum;
-        model_.specular_reflectance /= sum;
-        properties_.ids().warn(where,
-                               fmt::format("{}'s diffuse_reflectance and specular_reflectance exceed 1 together: both "
-                                           "are scaled down",
-                                           type));
-    }
     Material material() && { return Material(TexturedScattering{std::move(model_), std::move(parameters_)}); }
 
 private:
+    /// The value to which Mitsuba 0.6 scales reflectances above 1 (BSDF::ensureEnergyConservation).
+    static constexpr float scaled_reflectance = 0.99f;
+    /// Whether reflectances above 1 are scaled down: in old files, unless a file says that they are not.
+    bool scales_reflectances() {
+        return properties_.element().old && properties_.boolean("ensure_energy_conservation", true);
+    }
+    static Texture scaled(const Texture& texture, float scale) {
+        return Texture(ScaledTexture{texture, Color::Constant(scale)});
+    }
     void check_highest(const std::string& name, const Texture& texture, float highest) const {
         const float value = texture.maximum().maxCoeff();
         if (!(value <= highest))

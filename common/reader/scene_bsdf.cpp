@@ -230,9 +230,7 @@ void read(ModelReader<RoughPlastic>& model) {
 void read(ModelReader<Phong>& model) {
     model.number(
         "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
-    model.diffuse_reflectance();
-    model.reflectance(0.2f);
-    model.conserve_energy();
+    model.reflectance_pair();
 }
 
 /// Reads a roughdiffuse of Mitsuba 0.6.
@@ -253,9 +251,7 @@ void read(ModelReader<Ward>& model) {
         "alpha_u", 0.1f, [](Ward& m, float alpha) { m.distribution.alpha_u = alpha; }, highest_roughness);
     model.number(
         "alpha_v", 0.1f, [](Ward& m, float alpha) { m.distribution.alpha_v = alpha; }, highest_roughness);
-    model.diffuse_reflectance();
-    model.reflectance(0.2f);
-    model.conserve_energy();
+    model.reflectance_pair();
 }
 
 /// Reads `eta` or `specular` of a principled. As in Mitsuba, an interface that light passes has a change of index.
@@ -412,6 +408,34 @@ Material parse_normalmap(Properties& properties, TextureFiles& files) {
     return Material(NormalMap{normal, parse_nested(nested_bsdfs(properties, 1, 1)[0], files), options});
 }
 
+void warn_of_polarization(const Properties& properties) {
+    properties.ids().warn(properties.element().where,
+                          fmt::format("polarization is left out: '{}' lets light through as in Mitsuba's unpolarized "
+                                      "variants",
+                                      properties.element().required("type").value));
+}
+
+/// Reads a polarizer or a circular one. Unpolarized light of any direction goes straight on, and half of it is absorbed.
+Material parse_polarizer(Properties& properties, TextureFiles& files) {
+    warn_of_polarization(properties);
+    for (const char* name : {"theta", "polarizing", "left_handed"})
+        properties.ignore(name);
+    ModelReader<ThinDielectric> model(properties, files);
+    model->eta = 1;
+    model->specular_reflectance = Color::Zero();
+    model.color("transmittance", 1.f, ColorRange::unit,
+                [](ThinDielectric& m, const Color& c) { m.specular_transmittance = 0.5f * c; });
+    return std::move(model).material();
+}
+
+/// Reads a retarder, which changes only the polarization of light.
+Material parse_retarder(Properties& properties, TextureFiles&) {
+    warn_of_polarization(properties);
+    for (const char* name : {"theta", "delta"})
+        properties.ignore(name);
+    return Material(Nothing{});
+}
+
 using Parse = Material (*)(Properties&, TextureFiles&);
 struct BsdfPlugin {
     std::string_view name;
@@ -437,6 +461,9 @@ constexpr BsdfPlugin plugins[] = {
     {"blendbsdf", parse_blend},
     {"mask", parse_mask},
     {"null", [](Properties&, TextureFiles&) { return Material(Nothing{}); }},
+    {"polarizer", parse_polarizer},
+    {"circular", parse_polarizer},
+    {"retarder", parse_retarder},
     {"bumpmap", parse_bumpmap},
     {"normalmap", parse_normalmap},
 };
@@ -452,6 +479,7 @@ Material parse_bsdf(const NestedObject& object, TextureFiles& files) {
     const std::string& type = properties.plugin(names);
     const auto plugin =
         std::find_if(std::begin(plugins), std::end(plugins), [&](const auto& p) { return p.name == type; });
+    if (object.element->old) properties.boolean("ensure_energy_conservation", true);  // of all bsdfs of Mitsuba 0.6
     try {
         Material material = plugin->parse(properties, files);
         properties.finish();

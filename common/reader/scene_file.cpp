@@ -30,6 +30,8 @@ public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash, LoadWarnings& warnings)
         : ids_(xml.root, warnings), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
 
+    /// Unknown parameters are added to `errors`; without it the first one throws.
+    void collect_unknown(LoadErrors* errors) { ids_.collect_unknown(errors); }
     void check_texture(const NestedObject& texture) {
         const MeshInView none(textures_);
         parse_texture(texture, ColorRange::emission, textures_);
@@ -149,6 +151,7 @@ private:
             radiance = parse_area_emitter(*emitter, textures_);
             area_emitters_.insert(emitter->element);
         }
+        const auto without_bsdf = [&] { return default_material(object, emitter.has_value(), media.boundary); };
         const bool has_bsdf = !by_material && !bsdfs.empty();
         const std::uint32_t material = has_bsdf ? material_index(bsdfs[0], mesh_of(shapes)) : 0;
         std::map<std::uint32_t, std::uint32_t> index_of_material;
@@ -167,14 +170,14 @@ private:
                 pending.material = material;
             } else if (by_material) {
                 const NestedObject* bsdf = bsdf_of(*part.material_name, bsdfs);
-                pending.material = bsdf ? material_index(*bsdf, nullptr) : default_material(emitter.has_value());
+                pending.material = bsdf ? material_index(*bsdf, nullptr) : without_bsdf();
             } else if (part.material) {
                 const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
                 if (is_new)
                     materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
                 pending.material = it->second;
             } else {
-                pending.material = default_material(emitter.has_value());
+                pending.material = without_bsdf();
             }
             to.push_back(std::move(pending));
         }
@@ -202,8 +205,10 @@ private:
                 ids_.warn(bsdf.where, fmt::format("no face of the OBJ file has the material '{}'", bsdf.name));
         for (const auto& part : shapes.parts)
             if (!bsdf_of(*part.material_name, bsdfs))
-                ids_.warn(object.where, fmt::format("the material '{}' of the OBJ file has no bsdf here: it is grey",
-                                                    *part.material_name));
+                ids_.warn(object.where,
+                          fmt::format("the material '{}' of the OBJ file has no bsdf here: it is Mitsuba's "
+                                      "default",
+                                      *part.material_name));
     }
 
     /// The mesh of an element with one shape, for its attributes; null if the shape is none.
@@ -346,12 +351,20 @@ private:
         return it->second;
     }
 
-    /// Mitsuba's default material: a grey diffuse surface, or a black one for a light.
-    std::uint32_t default_material(bool emitter) {
-        auto& index = default_materials_[emitter];
+    /// Mitsuba's default material of a shape: a grey diffuse surface, or a black one for a light. The boundary of a medium lets
+    /// light through in old files only (Mitsuba 0.6, Shape::configure).
+    std::uint32_t default_material(const NestedObject& shape, bool emitter, bool boundary) {
+        const bool is_open = boundary && !emitter && shape.element->old;
+        if (boundary && !emitter && !is_open)
+            ids_.warn(shape.where,
+                      "the boundary of a medium without a bsdf is grey and opaque, as in Mitsuba, so that light hardly "
+                      "reaches the "
+                      "medium; <bsdf type=\"null\"/> would let it through");
+        auto& index = default_materials_[is_open ? 2 : emitter ? 1 : 0];
         if (!index) {
             index = static_cast<std::uint32_t>(materials_.size());
-            materials_.emplace_back(Scattering(Diffuse{Color::Constant(emitter ? 0.f : 0.5f)}));
+            const Scattering surface = Diffuse{Color::Constant(emitter ? 0.f : 0.5f)};
+            materials_.push_back(is_open ? Material(Nothing{}) : Material(surface));
         }
         return *index;
     }
@@ -369,7 +382,7 @@ private:
     std::set<const XmlElement*> area_emitters_;  ///< emitter elements of the shapes
     std::vector<Material> materials_;
     std::map<const XmlElement*, std::uint32_t> material_of_element_;
-    std::optional<std::uint32_t> default_materials_[2];
+    std::optional<std::uint32_t> default_materials_[3];  ///< grey, black and none
     std::vector<NestedObject> media_;
     std::map<const XmlElement*, std::uint32_t> medium_of_element_;
     std::uint32_t camera_medium_ = no_medium;
@@ -395,15 +408,17 @@ const XmlElement* nested_sensor(const XmlElement& element) {
            "include this file in a scene that has them");
 }
 
-}  // namespace
-
-LoadedScene parse_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options) {
+/// Reads a scene, and collects its unknown parameters. Throws InputError for these once all elements have been read, and for
+/// the first of all other errors.
+LoadedScene read_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options,
+                       LoadErrors& unknown) {
     ContentHash hash;
     if (options.resolution)
         hash.add(fmt::format("resolution {} x {}", options.resolution->first, options.resolution->second));
     LoadWarnings warnings;
     const ExpandedXml expanded = expand_xml(xml, path, options.parameters, options.folders, hash, warnings);
     SceneBuilder builder(expanded, hash, warnings);
+    builder.collect_unknown(&unknown);
     Properties scene(expanded.root, builder.ids());
     const auto integrator = scene.object("integrator");
     const auto sensors = scene.objects("sensor");
@@ -418,6 +433,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     ParsedSensor parsed = parse_sensor(sensors.front(), builder.ids(), options.resolution);
     parsed.sensor.hide_emitters(taken.hides_emitters);
     // Whatever refers to an object reads it. One that nothing refers to is read here, so that its errors are seen.
+    builder.collect_unknown(nullptr);
     const auto check_unused = [&](const std::vector<NestedObject>& objects, const auto& read) {
         for (const auto& object : objects) {
             if (builder.ids().is_used(*object.element)) continue;
@@ -436,6 +452,7 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
     check_unused(textures, [&](const NestedObject& texture) { builder.check_texture(texture); });
     check_unused(bsdfs, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
     check_unused(media, [&](const NestedObject& medium) { builder.check_medium(medium); });
+    builder.collect_unknown(&unknown);
     for (const auto& medium : media)
         if (builder.ids().is_used(*medium.element)) builder.add_medium(medium);
     builder.set_camera_medium(parsed.medium);
@@ -443,7 +460,9 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
         builder.add_shape(shape);
     for (const auto& emitter : emitters)
         builder.add_emitter(emitter);
-    auto placed = std::make_shared<Scene>(builder.finish(expanded.root, std::move(parsed.sensor)));
+    SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
+    unknown.reject();
+    auto placed = std::make_shared<Scene>(std::move(parts));
     NamedMedia named = builder.named_media();
     if (const auto around = medium_around_camera(*placed, named)) {
         placed->set_camera_medium(*around);
@@ -462,6 +481,18 @@ LoadedScene parse_scene(const std::string& xml, const std::string& path, const S
             warnings.add({}, warning);  // it names its own place
     loaded.warnings = warnings.messages();
     return loaded;
+}
+
+}  // namespace
+
+LoadedScene parse_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options) {
+    LoadErrors unknown;
+    try {
+        return read_scene(xml, path, options, unknown);
+    } catch (const InputError& error) {
+        unknown.reject(error.what());
+        throw;
+    }
 }
 
 LoadedScene load_scene(const std::string& path, const SceneLoadOptions& options) {

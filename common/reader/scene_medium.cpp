@@ -3,6 +3,8 @@
 #include "common/core/reject.h"
 #include "common/xml/scene_spectrum.h"
 
+#include <algorithm>
+
 namespace gib {
 
 namespace {
@@ -38,19 +40,36 @@ GridVolume parse_constvolume(Properties& properties, ColorRange range, const Vec
     return {value, to_cube(properties, Eigen::Affine3d(to_world), origin)};
 }
 
-GridVolume parse_gridvolume(Properties& properties, TextureFiles& files, const Vec3d& origin) {
-    const std::string name = properties.required_string("filename");
+/// Small negative cells, as interpolation leaves them, count as 0. Others are refused with the volume.
+void clamp_noise(GridVolume::Data& data, const std::string& name, const Properties& properties) {
+    const auto [lowest, highest] = std::minmax_element(data.values.begin(), data.values.end());
+    const auto least = static_cast<double>(*lowest);
+    if (!is_noise(least, static_cast<double>(*highest), ColorRange::non_negative)) return;
+    properties.warn("filename", "'{}' must not be negative: cells below 0, down to {:g}, count as 0", name, least);
+    for (float& value : data.values)
+        value = std::max(value, 0.f);
+}
+
+/// Reads the grid of the parameter `name`.
+GridVolume parse_gridvolume(Properties& properties, const std::string& name, TextureFiles& files, const Vec3d& origin) {
+    const std::string file = properties.required_string("filename");
     const Mat4d to_world = properties.transform("to_world");
     const VolumeFilter filter =
         properties.chosen("filter_type", VolumeFilter::trilinear,
                           {{"nearest", VolumeFilter::nearest}, {"trilinear", VolumeFilter::trilinear}});
-    const Wrap wrap = properties.chosen("wrap_type", Wrap::clamp, wrap_names);
+    // wrap_type is the name that scenes of this program had.
+    properties.exclude("wrap_type", "wrap_mode");
+    const Wrap old_wrap = properties.chosen("wrap_type", Wrap::clamp, wrap_names),
+               wrap = properties.chosen("wrap_mode", old_wrap, wrap_names);
     const bool own_box = properties.boolean("use_grid_bbox", false);
-    // Two options of Mitsuba have no effect here: values are always linear, and there is one way to look them up.
+    // Three options of Mitsuba have no effect here: values are always linear, there is one way to look them up, and their
+    // largest one is known.
     properties.boolean("raw", false);
     properties.boolean("accel", true);
+    properties.number("max_value");
     properties.finish();
-    GridVolume::Data data = load_volume(files.path(name, properties.element_where("filename")));
+    GridVolume::Data data = load_volume(files.path(file, properties.element_where("filename")));
+    clamp_noise(data, name, properties);
     Eigen::Affine3d from_grid(to_world);
     if (own_box) {
         if (!(data.box.sizes().minCoeff() > 0))
@@ -69,7 +88,7 @@ GridVolume parse_volume(Properties& properties, const std::string& name, float f
         return {color_property(properties, name, fallback, range), Eigen::Affine3d(Eigen::Translation3d(origin))};
     Properties volume(*nested->element, files.ids());
     if (volume.plugin({"constvolume", "gridvolume"}) == "constvolume") return parse_constvolume(volume, range, origin);
-    GridVolume grid = parse_gridvolume(volume, files, origin);
+    GridVolume grid = parse_gridvolume(volume, name, files, origin);
     const float lowest = grid.lowest().minCoeff(), highest = grid.highest().maxCoeff();
     if (!(lowest >= 0)) reject(nested->where, "'{}' must not be negative, but its volume has {}", name, lowest);
     if (range == ColorRange::unit && !(highest <= 1))

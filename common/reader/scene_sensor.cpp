@@ -94,12 +94,17 @@ void parse_film(const NestedObject& film, const XmlIds& ids, Sensor::Parameters&
                                "attach_log", "alpha", "digits", "variable"});
 }
 
-/// The number of samples that a sampler of any name asks for. Methods draw their numbers in their own way.
+/// The number of samples that a sampler of any name asks for. Methods draw their numbers in their own way. A number beyond
+/// all budgets means that the user ends the run, and is left out.
 std::optional<int> parse_sampler(const NestedObject& sampler, const XmlIds& ids) {
     Properties properties(*sampler.element, ids);
-    const auto sample_count = properties.integer("sample_count", 1);
+    const auto sample_count = properties.long_integer("sample_count", 1);
     properties.warn_of_unread({"seed", "jitter", "strength", "dimension", "scramble", "depth"});
-    return sample_count;
+    if (!sample_count) return std::nullopt;
+    if (*sample_count <= INT_MAX) return static_cast<int>(*sample_count);
+    properties.warn("sample_count", "a 'sample_count' above {} is left out: the method's 'spp' has its own default",
+                    INT_MAX);
+    return std::nullopt;
 }
 
 /// Parses a focal length [mm] for a film of 36 mm x 24 mm, such as "50mm".

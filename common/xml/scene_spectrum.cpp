@@ -16,7 +16,8 @@ namespace {
 struct Purpose {
     const std::string& property;
     ColorRange range;
-    const XmlIds& ids;  ///< takes the warnings
+    Illuminant illuminant;  ///< light under which the colour is seen
+    const XmlIds& ids;      ///< takes the warnings
 };
 
 /// The colour in float. Throws InputError for a channel out of range.
@@ -27,8 +28,7 @@ Color checked(const Colord& rgb, const Purpose& purpose, const SourceLocation& w
 }
 
 Color color_of(const Spectrum& spectrum, const Purpose& purpose, const SourceLocation& where) {
-    const bool emission = purpose.range == ColorRange::emission;
-    Colord rgb = rgb_of_spectrum(spectrum, emission ? Illuminant::none : Illuminant::d65).max(0.0);
+    Colord rgb = rgb_of_spectrum(spectrum, purpose.illuminant).max(0.0);
     if (purpose.range == ColorRange::unit) rgb = rgb.min(1.0);
     return checked(rgb, purpose, where);
 }
@@ -215,7 +215,8 @@ Color parse_plugin(const XmlElement& element, const XmlIds& ids, const Purpose& 
 }  // namespace
 
 Color parse_spectrum(const XmlElement& element, const XmlIds& ids, const std::string& name, ColorRange range) {
-    const Purpose purpose{name, range, ids};
+    const bool as_it_is = range == ColorRange::emission || element.old;
+    const Purpose purpose{name, range, as_it_is ? Illuminant::none : Illuminant::d65, ids};
     if (element.find("type")) return parse_plugin(element, ids, purpose);
     element.check_attributes({"name", "value", "filename"});
     const XmlAttribute* file = element.find("filename");

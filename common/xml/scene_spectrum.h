@@ -12,7 +12,7 @@ namespace gib {
 ///   filename="x.spd"                    such pairs in a file, one a line; # starts a comment
 /// and of the plugins uniform (grey always), regular, irregular, srgb, d65 (white always) and, as an emission,
 /// blackbody [W/(m^2 sr nm)], which also takes the `scale` of Mitsuba 0.6. Reflectances and indices are converted under
-/// the illuminant D65. Colours that RGB cannot hold are clamped to its gamut, as in Mitsuba: below 0 always, above 1 in
+/// the illuminant D65, but not those of old files (XmlElement::old): Mitsuba 0.6 converts all spectra as it does emissions. Colours that RGB cannot hold are clamped to its gamut, as in Mitsuba: below 0 always, above 1 in
 /// ColorRange::unit. `name` is the property's name, for messages. Throws InputError, also for values out of `range`.
 Color parse_spectrum(const XmlElement& element, const XmlIds& ids, const std::string& name, ColorRange range);
 

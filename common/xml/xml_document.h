@@ -21,6 +21,8 @@ struct XmlElement {
     std::vector<XmlAttribute> attributes;
     std::vector<XmlElement> children;
     bool old = false;  ///< from a file of a version below 2, whose needless parameters are warned of
+    /// From a file of a version below 3: of a value that is given twice the last one counts.
+    bool last_counts = false;
 
     /// Null if there is none.
     const XmlAttribute* find(std::string_view name) const;

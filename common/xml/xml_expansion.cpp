@@ -8,6 +8,8 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 
 namespace gib {
 
@@ -60,16 +62,16 @@ public:
         return without;
     }
 
-    /// "no value for $r, $g: WHAT; --set r=... --set g=... would give them".
-    static std::string no_value(const std::vector<std::string>& names, const std::string& what) {
+    /// "no value for $r, $g: WHAT--set r=... --set g=... would give them", of all parameters that have no value.
+    std::string no_value(const std::string& what) const {
         std::vector<std::string> settings;
-        for (const auto& name : names)
+        for (const auto& name : missing_)
             settings.push_back(fmt::format("--set {}=...", name));
-        return fmt::format("no value for ${}: {}{} would give {}", fmt::join(names, ", $"), what,
-                           fmt::join(settings, " "), names.size() == 1 ? "it" : "them");
+        return fmt::format("no value for ${}: {}{} would give {}", fmt::join(missing_, ", $"), what,
+                           fmt::join(settings, " "), missing_.size() == 1 ? "it" : "them");
     }
     /// Throws InputError with all parameters that have no value, at the place of the first one.
-    void reject_missing() const { throw InputError(first_missing_, no_value(missing_, "")); }
+    void reject_missing() const { throw InputError(first_missing_, no_value("")); }
 
     void check_all_known(const std::string& file) const {
         for (const auto& [name, value] : given_)
@@ -101,6 +103,14 @@ private:
     SourceLocation first_missing_;      ///< where the first of them stands
 };
 
+/// A name that stands for the one of an object whose name changes no image; empty for other objects.
+std::string_view stand_in_name(const XmlElement& element) {
+    for (const auto& [tag, name] : {std::pair("integrator", "path"), std::pair("sampler", "independent"),
+                                    std::pair("film", "hdrfilm"), std::pair("rfilter", "gaussian")})
+        if (element.tag == tag) return name;
+    return {};
+}
+
 /// Whether Mitsuba's plugins have a default for the value of this element.
 bool may_be_left_out(const XmlElement& element) {
     const XmlAttribute* name = element.find("name");
@@ -121,6 +131,29 @@ void unify_texture_tag(XmlElement& element) {
         if (type->value == plugin) element.tag = "texture";
 }
 
+/// The file whose path differs from `path` in capitals only; empty if there is none.
+std::string file_in_other_capitals(const std::filesystem::path& path) {
+    namespace fs = std::filesystem;
+    fs::path found;
+    for (const fs::path& part : path) {
+        std::error_code error;
+        if (fs::exists(found / part, error)) {
+            found /= part;
+            continue;
+        }
+        const fs::path folder = found.empty() ? fs::path(".") : found;
+        fs::directory_iterator entry(folder, error);
+        const auto is_alike = [&](const fs::directory_entry& e) {
+            return lower_case(e.path().filename().string()) == lower_case(part.string());
+        };
+        while (!error && entry != fs::directory_iterator() && !is_alike(*entry))
+            entry.increment(error);
+        if (error || entry == fs::directory_iterator()) return {};
+        found /= entry->path().filename();
+    }
+    return found.string();
+}
+
 class Expander {
 public:
     Expander(FileFinder& files, Parameters& parameters, ContentHash& hash, LoadWarnings& warnings)
@@ -134,6 +167,7 @@ public:
         root.check_attributes({"version", "id"});
         expand_children(root, 0);
         if (is_incomplete_) parameters_.reject_missing();
+        warn_of_left_out(path);
         return root;
     }
 
@@ -147,25 +181,43 @@ private:
     }
 
     /// Puts the values of parameters into the attributes. Returns whether the element is complete. A value element without a
-    /// value is left out with a warning; in other elements a missing value becomes an error at the end of the file, which
-    /// names the parameters of their children, too.
+    /// value is left out, and so is the name of an object that may have any name; in other elements a missing value becomes an
+    /// error at the end of the file, which names the parameters of their children, too.
     bool substitute(XmlElement& element, bool with_children = false) {
         const bool optional = may_be_left_out(element);
+        const std::string_view stand_in = stand_in_name(element);
         bool complete = true;
         for (auto& attribute : element.attributes) {
             const std::vector<std::string> missing = parameters_.substitute(attribute);
             if (missing.empty()) continue;
-            complete = false;
-            if (!optional || attribute.name != "value") is_incomplete_ = true;
-            else
-                warnings_.add(attribute.where,
-                              Parameters::no_value(missing, fmt::format("'{}' is left out, and its default counts; ",
-                                                                        element.find("name")->value)));
+            if (attribute.name == "type" && !stand_in.empty()) {
+                attribute.value = stand_in;
+                left_out_.push_back({attribute.where, fmt::format("the type of <{}>", element.tag)});
+            } else {
+                complete = false;
+                if (!optional || attribute.name != "value") is_incomplete_ = true;
+                else left_out_.push_back({attribute.where, fmt::format("'{}'", element.find("name")->value)});
+            }
         }
         if (!complete || with_children)
             for (auto& child : element.children)
                 substitute(child, true);
         return complete;
+    }
+
+    /// Warns of all values that were left out at once, at the first of them. `path` is the main file's.
+    void warn_of_left_out(const std::string& path) {
+        if (left_out_.empty()) return;
+        std::vector<std::string> names;
+        for (const LeftOut& value : left_out_) {
+            std::string place = left_out_.size() == 1 ? "" : fmt::format(" (line {})", value.where.line);
+            if (value.where.file != path) place = fmt::format(" ({}:{})", value.where.file, value.where.line);
+            names.push_back(value.what + place);
+        }
+        warnings_.add(left_out_.front().where,
+                      parameters_.no_value(fmt::format("{} {}; ", fmt::join(names, ", "),
+                                                       names.size() == 1 ? "is left out, and its default counts"
+                                                                         : "are left out, and their defaults count")));
     }
 
     void expand_children(XmlElement& element, int depth) {
@@ -263,6 +315,11 @@ private:
     Parameters& parameters_;
     ContentHash& hash_;
     LoadWarnings& warnings_;
+    struct LeftOut {
+        SourceLocation where;
+        std::string what;
+    };
+    std::vector<LeftOut> left_out_;     ///< values that were left out
     bool is_incomplete_ = false;        ///< a parameter that cannot be left out has no value
     SceneVersion version_;              ///< version of the file that is read
     std::vector<std::string> folders_;  ///< folders of the included files that are open, the innermost first
@@ -273,19 +330,25 @@ private:
 std::string FileFinder::find(const std::string& name, const SourceLocation& where,
                              const std::vector<std::string>& first) const {
     namespace fs = std::filesystem;
-    std::error_code error;
-    if (fs::path(name).is_absolute()) {
-        if (fs::exists(name, error)) return name;
-        reject(where, "there is no file '{}'", name);
-    }
     std::vector<std::string> searched = first;
     searched.push_back(main_folder_);
     searched.insert(searched.end(), paths_.begin(), paths_.end());
-    for (auto& folder : searched) {
-        const fs::path path = fs::path(folder) / name;
-        if (!name.empty() && fs::exists(path, error)) return path.string();
-        if (folder.empty()) folder = ".";
-    }
+    if (std::find(searched.begin(), searched.end(), "") == searched.end())
+        searched.emplace_back();  // the working folder
+    std::string with_slashes = name;
+    std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
+    for (const std::string& spelling : {name, with_slashes})
+        for (const std::string& folder : searched) {
+            const fs::path path = fs::path(folder) / spelling;  // the name alone if it is absolute
+            if (std::error_code error; spelling.empty() || !fs::exists(path, error)) continue;
+            if (spelling != name) warnings_.add(where, fmt::format("'{}' is read as '{}'", name, spelling));
+            return path.string();
+        }
+    for (const std::string& folder : searched)
+        if (const std::string alike = file_in_other_capitals(fs::path(folder) / with_slashes); !alike.empty())
+            reject(where, "there is no file '{}', but there is '{}': capitals matter", name, alike);
+    if (fs::path(name).is_absolute()) reject(where, "there is no file '{}'", name);
+    std::replace(searched.begin(), searched.end(), std::string(), std::string("."));
     reject(where, "there is no file '{}'; searched: {}", name, fmt::join(searched, ", "));
 }
 
@@ -342,7 +405,7 @@ ExpandedXml expand_xml(const std::string& text, const std::string& path,
                        ContentHash& hash, LoadWarnings& warnings) {
     for (const auto& [name, value] : parameters)
         hash.add(fmt::format("parameter {}={}", name, value));
-    FileFinder files(std::filesystem::path(path).parent_path().string());
+    FileFinder files(std::filesystem::path(path).parent_path().string(), warnings);
     for (auto folder = folders.rbegin(); folder != folders.rend(); ++folder)
         files.add_path(*folder);  // the first is searched first
     Parameters values(parameters);

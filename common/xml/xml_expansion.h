@@ -3,6 +3,7 @@
 // <ref> and <alias>.
 
 #include "common/core/files.h"
+#include "common/core/load_errors.h"
 #include "common/core/load_warnings.h"
 #include "common/xml/xml_document.h"
 
@@ -13,19 +14,24 @@
 
 namespace gib {
 
-/// Finds files in the main scene's folder, then in the <path> entries, the latest entry first (Mitsuba's order).
+/// Finds files in the main scene's folder, then in the <path> entries, the latest entry first (Mitsuba's order), and last in the
+/// working folder.
 class FileFinder {
 public:
-    explicit FileFinder(std::string main_folder) : main_folder_(std::move(main_folder)) {}
+    /// `warnings` must outlive this object.
+    FileFinder(std::string main_folder, LoadWarnings& warnings)
+        : main_folder_(std::move(main_folder)), warnings_(warnings) {}
     void add_path(std::string folder) { paths_.insert(paths_.begin(), std::move(folder)); }
-    /// Looks into the folders `first` before all others. Throws InputError at `where`, with the folders
-    /// that were searched.
+    /// Looks into the folders `first` before all others. A name with backslashes that is found nowhere is searched with slashes,
+    /// with a warning. Throws InputError at `where`, with the folders that were searched, or with the file whose name differs in
+    /// capitals only.
     std::string find(const std::string& name, const SourceLocation& where,
                      const std::vector<std::string>& first = {}) const;
 
 private:
     std::string main_folder_;
     std::vector<std::string> paths_;
+    LoadWarnings& warnings_;
 };
 
 /// The objects of a scene by their id, and the warnings of whoever reads them.
@@ -38,6 +44,14 @@ public:
         collect_uses(root);
     }
     void warn(const SourceLocation& where, const std::string& message) const { warnings_.add(where, message); }
+    /// From now on unknown parameters are added to `errors`, which must outlive this object. Without it, as at first, the first
+    /// one throws.
+    void collect_unknown(LoadErrors* errors) { unknown_ = errors; }
+    /// Throws InputError or collects the error.
+    void reject_unknown(const SourceLocation& where, const std::string& message) const {
+        if (!unknown_) throw InputError(where, message);
+        unknown_->add(where, message);
+    }
     /// The object that a <ref> means. Throws InputError at the reference if there is none.
     const XmlElement& resolve(const XmlElement& ref) const;
     /// Whether a <ref> means the object.
@@ -52,6 +66,7 @@ private:
     const XmlElement* find(const XmlElement& ref) const;
 
     LoadWarnings& warnings_;
+    LoadErrors* unknown_ = nullptr;
     std::map<std::string, const XmlElement*> objects_;        ///< the last one of each id
     std::map<const XmlElement*, const XmlElement*> earlier_;  ///< the object of each <ref> that stands after it
     std::set<const XmlElement*> used_;
@@ -64,8 +79,8 @@ struct ExpandedXml {
 };
 
 /// Expands the scene in `text`, and upgrades it if its version is old (xml_upgrade.h). `parameters` replace the defaults;
-/// files are searched for in `folders` after that of `path`; all files that are read are added to `hash`. A value whose
-/// parameter has no value is left out with a warning, so that the plugin's default counts. Throws InputError for other
+/// files are searched for in `folders` after that of `path`; all files that are read are added to `hash`. Values whose
+/// parameters have no value are left out with one warning, so that the plugins' defaults count. Throws InputError for other
 /// parameters without a value (all in one message), for one of `parameters` that the file does not know, and for a missing
 /// or circular include.
 ExpandedXml expand_xml(const std::string& text, const std::string& path,

@@ -78,7 +78,7 @@ void Properties::add_child(const XmlElement& child) {
     if (is_new) return;
     const auto earlier =
         std::find_if(properties_.begin(), properties_.end() - 1, [&](const auto& p) { return p.name == name; });
-    if (!element_.old || earlier->is_object || properties_.back().is_object)
+    if (!element_.last_counts || earlier->is_object || properties_.back().is_object)
         gib::reject(where, "'{}' is given twice, first at line {}", name, first->second);
     ids_.warn(where, fmt::format("'{}' is given twice, first at line {}: the last one counts", name, first->second));
     properties_.erase(earlier);
@@ -161,13 +161,21 @@ double Properties::within(const std::string& name, double fallback, double lowes
 }
 
 std::optional<int> Properties::integer(const std::string& name, int lowest, int highest) {
+    const auto value = long_integer(name, lowest, highest);
+    return value ? std::optional(static_cast<int>(*value)) : std::nullopt;
+}
+
+std::optional<std::int64_t> Properties::long_integer(const std::string& name, std::int64_t lowest,
+                                                     std::int64_t highest) {
     const XmlElement* element = read(name, {"integer"});
     if (!element) return std::nullopt;
-    const auto value = parse_integer(element->required("value"));
+    const std::int64_t value = parse_integer(element->required("value"));
     if (value < lowest || value > highest)
         reject(name, "'{}' must be between {} and {}, not {}", name, lowest, highest, value);
-    return static_cast<int>(value);
+    return value;
 }
+
+void Properties::ignore(const std::string& name) { mark(name); }
 
 bool Properties::boolean(const std::string& name, bool fallback) {
     const XmlElement* element = read(name, {"boolean"});
@@ -276,9 +284,10 @@ void Properties::finish() const {
                                                     : fmt::format("a parameter '{}'", property.name);
         const std::string takes = known_.empty() ? "nothing" : fmt::format("{}", fmt::join(known_, ", "));
         if (!element_.old || property.is_object || among(property.name, unsupported))
-            gib::reject(property.where, "{} does not take {}; it takes: {}", plugin, what, takes);
-        ids_.warn(property.where,
-                  fmt::format("{} does not take {}, which has no effect; it takes: {}", plugin, what, takes));
+            ids_.reject_unknown(property.where, fmt::format("{} does not take {}; it takes: {}", plugin, what, takes));
+        else
+            ids_.warn(property.where,
+                      fmt::format("{} does not take {}, which has no effect; it takes: {}", plugin, what, takes));
     }
 }
 

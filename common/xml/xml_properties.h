@@ -7,6 +7,7 @@
 #include "common/xml/xml_values.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -41,7 +42,8 @@ void check_color_value(double value, ColorRange range, const std::string& name, 
 class Properties {
 public:
     /// Both arguments must outlive this object. Throws InputError for a child that is no property or object at all, for a
-    /// reference to nothing and for a name that is given twice (of values of old files the last counts, with a warning).
+    /// reference to nothing and for a name that is given twice (of values of files before version 3 the last counts, with a
+    /// warning).
     Properties(const XmlElement& element, const XmlIds& ids);
 
     const XmlElement& element() const { return element_; }
@@ -81,6 +83,11 @@ public:
     /// Throws InputError at a value out of [lowest, highest].
     double within(const std::string& name, double fallback, double lowest, double highest);
     std::optional<int> integer(const std::string& name, int lowest, int highest = std::numeric_limits<int>::max());
+    /// The same with 64 bits.
+    std::optional<std::int64_t> long_integer(const std::string& name, std::int64_t lowest,
+                                             std::int64_t highest = std::numeric_limits<std::int64_t>::max());
+    /// Reads a parameter of any kind that has no effect.
+    void ignore(const std::string& name);
     bool boolean(const std::string& name, bool fallback);
     std::optional<std::string> string(const std::string& name);
     std::string required_string(const std::string& name);
@@ -116,7 +123,7 @@ public:
     /// The nested object of a kind, if there is one. Throws InputError at a second one.
     std::optional<NestedObject> object(const std::string& tag);
 
-    /// Throws InputError for the first property or object that was not asked for, and lists those that were. In old files
+    /// Rejects the properties and objects that were not asked for (XmlIds::reject_unknown), and lists those that were. In old files
     /// (XmlElement::old) it only warns of properties that Mitsuba 0.6 does not know either, as Mitsuba 0.6 does.
     void finish() const;
     /// In place of finish(), where what was not asked for changes no image: warns that it has no effect, unless its name

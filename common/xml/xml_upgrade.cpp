@@ -244,8 +244,6 @@ private:
                 value->value = "beckmann";
             }
         upgrade_roughness();
-        upgrade_reflectances();
-        upgrade_reflectance_pair();
         if (is(e_, "bsdf", "conductor") || is(e_, "bsdf", "roughconductor")) upgrade_conductor();
         if (is(e_, "bsdf", "mixturebsdf")) upgrade_mixture();
         if (is(e_, "bsdf", "bumpmap")) upgrade_bumpmap();
@@ -264,58 +262,6 @@ private:
             if (is_given) continue;
             attribute_of(other, "name")->value = name;
             e_.children.push_back(other);
-        }
-    }
-
-    /// Colours of reflection above 1 are scaled down to 0.99; those of a phong or ward together.
-    void upgrade_reflectances() {
-        const XmlElement* ensured = property(e_, "ensure_energy_conservation");
-        const bool scales = !is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward") &&
-                            (!ensured || parse_boolean(ensured->required("value")));
-        drop(e_, {"ensure_energy_conservation"});
-        if (!scales) return;
-        for (const std::string_view name :
-             {"reflectance", "diffuse_reflectance", "specular_reflectance", "specular_transmittance"}) {
-            XmlElement* color = property(e_, name);
-            XmlAttribute* value = color ? attribute_of(*color, "value") : nullptr;
-            if (!value || (color->tag != "rgb" && color->tag != "float")) continue;
-            std::vector<double> channels = parse_channels(*value);
-            const double highest = channels.empty() ? 0 : *std::max_element(channels.begin(), channels.end());
-            if (!(highest > 1)) continue;
-            warnings_.add(value->where, fmt::format("'{}' is above 1: it is scaled down to 0.99", name));
-            for (double& channel : channels)
-                channel *= 0.99 / highest;
-            value->value = fmt::format("{}", fmt::join(channels, " "));
-        }
-    }
-
-    /// Colours of a phong or ward of which one is above 1 are scaled down together, to a sum of 0.99.
-    void upgrade_reflectance_pair() {
-        if (!is(e_, "bsdf", "phong") && !is(e_, "bsdf", "ward")) return;
-        std::vector<std::vector<double>> colors;
-        double highest = 0;
-        for (const auto& [name, fallback] :
-             {std::pair("diffuse_reflectance", "0.5"), std::pair("specular_reflectance", "0.2")}) {
-            if (!property(e_, name)) e_.children.push_back(value_element("rgb", name, fallback, e_.where));
-            const XmlElement& color = *property(e_, name);
-            if (color.tag != "rgb" && color.tag != "float") return;
-            colors.push_back(parse_channels(color.required("value")));
-            if (colors.back().size() == 1) colors.back().resize(3, colors.back()[0]);
-            if (colors.back().size() != 3) return;
-            highest = std::max(highest, *std::max_element(colors.back().begin(), colors.back().end()));
-        }
-        if (!(highest > 1)) return;
-        warnings_.add(e_.where, "diffuse_reflectance and specular_reflectance are scaled down to a sum of 0.99");
-        double sum = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            sum = std::max(sum, colors[0][k] + colors[1][k]);
-        for (const char* name : {"diffuse_reflectance", "specular_reflectance"}) {
-            for (double& channel : colors.front())
-                channel *= 0.99 / sum;
-            const SourceLocation where = property(e_, name)->where;
-            drop(e_, {name});
-            e_.children.push_back(value_element("rgb", name, fmt::format("{}", fmt::join(colors.front(), " ")), where));
-            colors.erase(colors.begin());
         }
     }
 
@@ -479,7 +425,11 @@ void upgrade_element(XmlElement& element, const SceneVersion& version, LoadWarni
     if (version.before(3, 0) && is(element, "volume", "constvolume"))
         rename(element, "color", "value");  // of Mitsuba 2
     element.old = version.before(2, 0);
+    element.last_counts = version.before(3, 0);
     if (element.old) Upgrade(element, version, warnings).apply();
+    else if (version.before(3, 0) && element.tag == "medium")
+        for (const char* name : {"density", "density_scale"})  // of Mitsuba 2.0 and 2.1
+            rename(element, name, "scale");
 }
 
 }  // namespace gib

@@ -23,7 +23,8 @@ SceneVersion parse_version(const XmlAttribute& version);
 bool has_old_names(const XmlElement& root);
 
 /// Changes an element of a file of an older version, whose children have been upgraded and whose parameters have been
-/// substituted, into what a file of version 3 would say, and marks it as old. Does nothing for version 2 and later.
+/// substituted, into what a file of version 3 would say, and marks it as old. Of version 2 it changes the names that version 3
+/// does not have: the color of a constvolume, and the density or density_scale of a medium.
 ///
 /// As Mitsuba 3 does itself with a version below 2 ("Differences to Mitsuba 0.6" in its documentation): names become lower case
 /// with underscores (toWorld, intIOR), lookAt becomes lookat, the diffuse_reflectance of a diffuse becomes reflectance, and
@@ -38,8 +39,7 @@ bool has_old_names(const XmlElement& root);
 ///  - a conductor or roughconductor without a material and an index is copper, not a perfect mirror;
 ///  - a mixturebsdf is made of blendbsdfs; what the weights leave of 1 is absorbed, and a sum above 1 is scaled down, with a
 ///    warning;
-///  - a reflectance or transmittance above 1 is scaled down to 0.99, with a warning (BSDF::ensureEnergyConservation), and that of a
-///    phong or ward together with its other one; an alphaU or alphaV alone stands beside alpha, or 0.1;
+///  - an alphaU or alphaV alone stands beside alpha, or 0.1;
 ///  - the scale of a bumpmap stands in a texture around its own, and the texture of a normalmap has no name;
 ///  - a medium's density_multiplier is its scale, and the density of a heterogeneous one its sigma_t; a constvolume has no
 ///    box, and a gridvolume has the one in its file; a homogeneous one without coefficients has those of the preset skin1,
@@ -50,6 +50,10 @@ bool has_old_names(const XmlElement& root);
 ///    is given (the documentation has 0.15; Mitsuba 0.6 itself does as here);
 ///  - vertexcolors is the attribute vertex_color of a mesh, and the uvscale of a texture is its uscale and vscale, unless these are
 ///    given.
+/// Three differences depend on more than the element, so that the readers see to them: spectra are converted without an
+/// illuminant (scene_spectrum.h); reflectances above 1 are scaled down (model_reader.h); the boundary of a medium without a bsdf
+/// lets light through (scene_file.cpp).
+///
 /// As the files data/schema/upgrade_0.*.xsl of Mitsuba 0.6 say: before 0.5 a bumpmap was called bump. Before 0.4 a sensor was
 /// called camera, looked at a mirrored world, and took its angle of view on the smaller side unless map_smaller_side was false; an emitter was
 /// called luminaire, radiance and irradiance intensity, and an envmap's scale intensity_scale.

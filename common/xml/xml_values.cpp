@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <optional>
+#include <system_error>
 
 namespace gib {
 
@@ -21,14 +23,10 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// A number that may begin with a plus.
-template <typename T>
-std::optional<T> signed_number(std::string_view text) {
-    return number_from<T>(text.substr(text.starts_with('+') ? 1 : 0));
-}
+std::string_view without_plus(std::string_view text) { return text.substr(text.starts_with('+') ? 1 : 0); }
 
 double finite_number(std::string_view text, const XmlAttribute& attribute) {
-    const auto value = signed_number<double>(text);
+    const auto value = number_from<double>(without_plus(text));
     if (!value || !std::isfinite(*value)) reject(attribute.where, "bad number '{}'", text);
     return *value;
 }
@@ -65,6 +63,7 @@ Mat4d parse_rotate(const XmlElement& element) {
     const Vec3d axis = parse_vector(element, 0);
     const double angle = parse_number(element.required("angle")) * std::numbers::pi / 180;
     const double length = length_of(axis);
+    if (length == 0 && angle == 0) return Mat4d::Identity();
     if (length == 0) throw InputError(element.where, "the rotation's axis is zero");
     return with_linear_part(Eigen::AngleAxisd(angle, axis / length).toRotationMatrix());
 }
@@ -182,9 +181,14 @@ std::vector<double> parse_linear_channels(const XmlAttribute& attribute) {
 }
 
 std::int64_t parse_integer(const XmlAttribute& attribute) {
-    const auto value = signed_number<std::int64_t>(trimmed(attribute.value));
-    if (!value) reject(attribute.where, "bad number '{}': expected an integer", attribute.value);
-    return *value;
+    const std::string_view digits = without_plus(trimmed(attribute.value));
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (end != digits.data() + digits.size() || error == std::errc::invalid_argument)
+        reject(attribute.where, "bad number '{}': expected an integer", attribute.value);
+    if (error == std::errc()) return value;
+    using Limits = std::numeric_limits<std::int64_t>;
+    return digits.starts_with('-') ? Limits::min() : Limits::max();
 }
 
 bool parse_boolean(const XmlAttribute& attribute) {

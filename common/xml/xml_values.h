@@ -22,6 +22,7 @@ std::vector<double> parse_numbers(const XmlAttribute& attribute);
 std::vector<double> parse_channels(const XmlAttribute& attribute);
 /// The same as linear values: #rrggbb is a colour of HTML, which has sRGB's curve.
 std::vector<double> parse_linear_channels(const XmlAttribute& attribute);
+/// One beyond 64 bits is the nearest one of 64 bits.
 std::int64_t parse_integer(const XmlAttribute& attribute);
 /// `true` or `false` in any case.
 bool parse_boolean(const XmlAttribute& attribute);

@@ -33,10 +33,11 @@ TEST(ForgivenFaults, AValueWhoseParameterHasNoneIsThatOfThePlugin) {
     EXPECT_EQ(loaded.max_edges, INT_MAX);
     EXPECT_EQ(radius_of(loaded), 1);
     EXPECT_EQ(diffuse_of(loaded)[0], 0.5f);
-    EXPECT_THAT(loaded.warnings,
-                ElementsAre(HasSubstr("no value for $depth: 'max_depth' is left out, and its default counts; --set "
-                                      "depth=... would give it"),
-                            HasSubstr("$r: 'radius'"), HasSubstr("$c: 'reflectance'")));
+    EXPECT_THAT(
+        loaded.warnings,
+        ElementsAre(HasSubstr("no value for $depth, $r, $c: 'max_depth' (line 2), 'radius' (line 2), 'reflectance' "
+                              "(line 2) are left out, and their defaults count; --set depth=... --set r=... --set "
+                              "c=... would give them")));
     const LoadedScene given = load(body, {{{"depth", "3"}, {"r", "2"}, {"c", "0.25"}}, {}});
     EXPECT_EQ(given.max_edges, 3);
     EXPECT_EQ(radius_of(given), 2);

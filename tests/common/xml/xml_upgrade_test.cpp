@@ -144,7 +144,7 @@ std::vector<OldScene> materials() {
                   bsdf("blendbsdf", number("weight", 0.25), grey, plastic), {"the weights sum to 4"}),
         with_bsdf("phong above 1", bsdf("phong", rgb("diffuseReflectance", "1 0.5 0"), rgb("specularReflectance", 8.9)),
                   bsdf("phong", rgb("diffuse_reflectance", "0.1 0.05 0"), rgb("specular_reflectance", 0.89)),
-                  {"are scaled down to a sum of 0.99"}),
+                  {"both are scaled down by 0.1"}),
         with_bsdf("white above 1",
                   bsdf("plastic", old_rgb("diffuseReflectance", "1.1, 0.55, 0"), number("specularReflectance", 1)),
                   bsdf("plastic", rgb("diffuse_reflectance", "0.99 0.495 0")), {"'diffuse_reflectance' is above 1"}),
@@ -161,7 +161,8 @@ std::vector<OldScene> materials() {
                   bsdf("normalmap", named("texture", "normalmap", "bitmap", image, flag("raw"), to_uv(scale(2, 3, 1))),
                        grey)),
         with_bsdf("phong", bsdf("phong", spectrum("diffuseReflectance", 0.8), spectrum("specularReflectance", 0.8)),
-                  bsdf("phong", rgb("diffuse_reflectance", 0.5), rgb("specular_reflectance", 0.5)), {"scaled down"}),
+                  bsdf("phong", rgb("diffuse_reflectance", 0.495), rgb("specular_reflectance", 0.495)),
+                  {"scaled down"}),
         {"bump map of 0.4", "0.4.1", old_sensor + sky + shape("sphere", bsdf("bump", texture("bitmap", image), grey)),
          new_sensor + sky + shape("sphere", bsdf("bumpmap", texture("bitmap", image), grey))},
     };
