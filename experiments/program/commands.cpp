@@ -10,7 +10,7 @@
 #include "experiments/metrics/epsilon.h"
 #include "experiments/photons/page.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/program/named_files.h"
+#include "experiments/program/kept_references.h"
 #include "experiments/report/report.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
