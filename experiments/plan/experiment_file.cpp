@@ -246,6 +246,16 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
     return experiment;
 }
 
+bool has_time_budget(const std::string& text) {
+    try {
+        const TomlReader reader(text, "");
+        const auto* budget = reader.root().get("budget");
+        return !reader.root().get("method") || (budget && read_budget(reader, *budget).seconds);
+    } catch (const InputError&) {
+        return true;
+    }
+}
+
 Experiment load_experiment(const std::string& path) { return parse_experiment(read_file(path), path); }
 
 std::optional<TuneFile> parse_tune_file(const std::string& text, const std::string& path) {

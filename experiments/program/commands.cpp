@@ -110,6 +110,8 @@ void print_what_is_shown(const CollectedLight& light, std::ostream& out) {
     for (const PhotonSubset::Map& map : light.photons)
         out << fmt::format("{} map: {} of {} photons shown ({:.3g} %)\n", map.name, map.shown.size(), map.stored,
                            100 * static_cast<double>(map.shown.size()) / static_cast<double>(map.stored));
+    if (!light.beams.beams.empty())
+        out << fmt::format("beams: {} of {} shown\n", light.beams.beams.size(), light.stored_beams);
     if (!light.records.empty()) out << fmt::format("irradiance records: {}\n", light.records.size());
     if (!light.patches.patches.empty())
         out << fmt::format("patches: {}, corners: {}\n", light.patches.patches.size(), light.patches.corners.size());
