@@ -301,15 +301,16 @@ class PartsTest(unittest.TestCase):
                     "external": external}
         table = [row("path spp=4", "path spp=4"), row("path spp=16", "path spp=16", passes="15 to 16"),
                  row("path spp=64", "path spp=64", seeds=1, passes="64"),
+                 row("m photons=10 spp=1", "map, 5 %, & more, photons=10, spp=1", passes="1"),
                  row("m photons=10 spp=4", "map, 5 %, & more, photons=10, spp=4"),
                  row("m photons=20 spp=4", "map, 5 %, & more, photons=20, spp=4"),
-                 row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
+                 row("path filter=nlm spp=4", "typed, spp=4"), row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
                  row("other spp=1", "other spp=1", external="yes"), row("other spp=2", "other spp=2", external="yes")]
         curves = [{"scene": "box", "method": each["method"]} for each in table]
         found = method_names.one_label_a_method(result_tables.Results(curves, table, [], [], []))
         self.assertEqual(result_tables.labels_of(found.table), {
             "path spp=16": "path", "m photons=10 spp=4": "map, 5 %, & more, photons=10",
-            "m photons=20 spp=4": "map, 5 %, & more, photons=20", "vcm k=1 spp=4": "vcm k=1 spp=4",
+            "m photons=20 spp=4": "map, 5 %, & more, photons=20", "path filter=nlm spp=4": "typed, spp=4", "vcm k=1 spp=4": "vcm k=1 spp=4",
             "vcm k=2 spp=9": "vcm k=2 spp=9", "other spp=1": "other spp=1", "other spp=2": "other spp=2"})
         self.assertEqual([each["method"] for each in found.curves], [each["method"] for each in found.table])
 
