@@ -202,13 +202,13 @@ Section crossover_section(const Analysis& analysis) {
     return section;
 }
 
-/// The other methods' errors as multiples of the best one's. `axis`: seconds or passes.
-std::string others_text(const EqualTimeRow& row, const std::string& axis) {
+/// The other methods' errors as multiples of the best one's. `unit`: s or passes.
+std::string others_text(const EqualTimeRow& row, const std::string& unit) {
     std::string text;
     for (const Contender& c : row.ranking | std::views::drop(1)) {
         const std::string number =
             c.standing == Standing::no_image
-                ? fmt::format("no image yet; first after {} {}", short_number(c.first_image), axis)
+                ? fmt::format("no image yet; first after {} {}", short_number(c.first_image), unit)
                 : short_number(std::sqrt(c.mean / row.ranking.front().mean)) + (c.standing == Standing::tie ? " (tie)"
                                                                                 : c.standing == Standing::incomplete
                                                                                     ? " (not all light)"
@@ -218,12 +218,12 @@ std::string others_text(const EqualTimeRow& row, const std::string& axis) {
     return text;
 }
 
-/// The methods after equal amounts of the `axis`: seconds, or passes in their place.
-Section equal_section(const Analysis& analysis, std::string title, std::string sentence, const std::string& axis) {
+/// The methods after equal seconds, or after equal passes in their place.
+Section equal_section(const Analysis& analysis, std::string title, std::string sentence, bool is_time) {
     Section section{std::move(title),
                     std::move(sentence),
                     {words("component"),
-                     {axis},
+                     {is_time ? "seconds" : "passes"},
                      words("best"),
                      {"relative RMSE %"},
                      words("beside others"),
@@ -233,19 +233,18 @@ Section equal_section(const Analysis& analysis, std::string title, std::string s
         if (!best || !(best->mean > row.noise_floor)) continue;
         section.rows.push_back({.scene = row.scene,
                                 .entries = {{std::string(name_of(row.layer))},
-                                            number(row.seconds),
+                                            {measured(row.seconds, is_time ? Unit::number : Unit::whole)},
                                             method_entry(best->method, best->method),
                                             {measured(best->mean, Unit::root)},
                                             {doubts(row.ranking)},
-                                            {others_text(row, axis)}}});
+                                            {others_text(row, is_time ? "s" : "passes")}}});
     }
     return section;
 }
 
 Section equal_time_section(const Analysis& analysis) {
     return equal_section(analysis, "At equal time",
-                         "After the whole time of the fastest method; the reference's own error is subtracted.",
-                         "seconds");
+                         "After the whole time of the fastest method; the reference's own error is subtracted.", true);
 }
 
 Section equal_passes_section(const Analysis& analysis) {
@@ -256,7 +255,7 @@ Section equal_passes_section(const Analysis& analysis) {
         "For scenes whose methods were not given equal times, or whose times a busy machine made too long: after all "
         "passes of the "
         "method that made the fewest. A pass is one sample a pixel; what it costs differs between methods.",
-        "passes");
+        false);
     std::erase_if(section.rows, [&](const Row& row) { return !is_called_for(row.scene); });
     return section;
 }
