@@ -56,7 +56,7 @@ class Beams {
 
   /// A beam is the brighter, the fewer there are.
   expose(stops) {
-    const { color } = this.group.geometry.attributes, factor = (Math.min(1, 500 / this.count) * 2 ** stops) / this.white;
+    const { color } = this.group.geometry.attributes, factor = (Math.min(1, 200 / this.count) * 2 ** stops) / this.white;
     for (let i = 0; i < this.count; i++) {
       const shown = colorsOf(this.powers.subarray(3 * i, 3 * i + 3), factor);
       color.array.set(shown, 6 * i);
