@@ -358,9 +358,7 @@ void add_scene(const IndexScene& scene, Reference reference, const ResultFolder&
         analysis.rows.push_back(std::move(row));
     }
     if (!rows.is_lit && !cells_by_method(analysis, scene.name).empty()) return drop_dark_scene(scene.name, analysis);
-    for (auto& warning : {unlike_processors(analysis.cells, scene.name),
-                          busy_machine(analysis, scene.name, run_command_of(folder, analysis.index))})
-        if (warning) analysis.warnings.push_back(*warning);
+    if (const auto warning = unlike_processors(analysis.cells, scene.name)) analysis.warnings.push_back(*warning);
     if (is_contradicted) return;
     for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, Judgement(reference), folder))
         analysis.looks.push_back(std::move(look));
@@ -376,6 +374,8 @@ Analysis analyse(const ResultFolder& folder) {
         if (reference) add_scene(scene, *reference, folder, analysis);
         else analysis.missing_cells += analysis.index.methods.size() * static_cast<std::size_t>(analysis.index.seeds);
     }
+    if (const auto warning = busy_machine(analysis, run_command_of(folder, analysis.index)))
+        analysis.warnings.push_back(*warning);
     const auto names = short_names(analysis);
     for (TableRow& row : analysis.rows)
         row.name = names.at(row.method);

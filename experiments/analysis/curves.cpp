@@ -21,6 +21,13 @@ std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene)
     return layers;
 }
 
+Analysis with_passes_for_seconds(Analysis analysis) {
+    for (Cell& cell : analysis.cells)
+        for (CellCheckpoint& c : cell.checkpoints)
+            c.checkpoint.seconds = c.checkpoint.passes;
+    return analysis;
+}
+
 CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene) {
     CellsByMethod methods;
     for (const Cell& cell : analysis.cells)

@@ -17,6 +17,10 @@ std::vector<std::string> scenes_of(const Analysis& analysis);
 /// The layers of a scene that are judged, in the order of its rows.
 std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene);
 
+/// The analysis with the passes of each checkpoint in place of its seconds, so that Contest compares methods after equal passes. Its
+/// laws and looks are still those of time.
+Analysis with_passes_for_seconds(Analysis analysis);
+
 using CellsByMethod = std::map<std::string, Runs>;
 /// The cells of a scene that have an image, by method label.
 CellsByMethod cells_by_method(const Analysis& analysis, const std::string& scene);

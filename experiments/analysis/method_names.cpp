@@ -36,11 +36,13 @@ bool is_spp_reached(const Analysis& analysis, const std::string& label, double s
 /// The settings of the labels that share the beginning of their names.
 using Group = std::map<std::string, std::vector<GivenValue>>;
 
-std::vector<GivenValue> differing(const Group& group, const std::string& label, const Analysis& analysis) {
+/// A filter changes what a method's name stands for, so that it is shown behind one even if it does not differ.
+std::vector<GivenValue> differing(const Group& group, const std::string& label, bool is_named,
+                                  const Analysis& analysis) {
     std::vector<GivenValue> settings = group.at(label);
     std::erase_if(settings, [&](const GivenValue& setting) {
         const auto spp = setting.first == "spp" ? number_from<double>(setting.second) : std::nullopt;
-        if (setting.first == "filter" && setting.second != no_filter) return false;
+        if (!is_named && setting.first == "filter" && setting.second != no_filter) return false;
         return (spp && !is_spp_reached(analysis, label, *spp)) ||
                std::ranges::all_of(group, [&](const auto& other) { return has(other.second, setting); });
     });
@@ -74,25 +76,29 @@ std::map<SceneAndLabel, std::vector<LabelRuns>> runs_by_method(const Analysis& a
 }  // namespace
 
 std::map<std::string, std::string> short_names(const Analysis& analysis) {
-    std::map<std::string, Group> groups;  // by the beginning of the name
-    const auto given = [&](const std::string& label) {
-        const auto found = analysis.index.given_names.find(label);
-        return found == analysis.index.given_names.end() ? std::string() : found->second;
-    };
+    const auto& given = analysis.index.given_names;
+    std::map<std::pair<bool, std::string>, Group> groups;  // by whether the experiment names it, and the beginning
     for (const TableRow& row : analysis.rows) {
         const MethodLabel label = MethodLabel::parse(row.method);
-        groups[given(row.method).empty() ? label.name : given(row.method)][row.method] = label.values;
+        const auto name = given.find(row.method);
+        const bool is_named = name != given.end();
+        groups[{is_named, is_named ? name->second : label.name}][row.method] = label.values;
     }
     std::map<std::string, std::string> names;
-    std::map<std::string, int> uses;
+    std::map<std::pair<bool, std::string>, int> uses;
     for (const auto& [begin, group] : groups)
         for (const auto& [label, settings] : group) {
-            const std::vector<GivenValue> shown = differing(group, label, analysis);
-            names[label] = begin + (given(label).empty() ? joined(shown, " ", " ") : joined(shown, ", ", ", "));
-            ++uses[names[label]];
+            const bool is_named = begin.first;
+            const std::vector<GivenValue> shown = differing(group, label, is_named, analysis);
+            names[label] = begin.second + (is_named ? joined(shown, ", ", ", ") : joined(shown, " ", " "));
+            ++uses[{is_named, names[label]}];
         }
-    for (auto& [label, name] : names)
-        if (uses[name] > 1) name = label;
+    // Where a given name and another one are equal, the other one has all settings, unless these are that name.
+    for (auto& [label, name] : names) {
+        const bool is_named = given.contains(label);
+        const bool is_taken = is_named ? names.contains(name) : uses.contains({true, name});
+        if (is_taken || uses.at({is_named, name}) > 1) name = label;
+    }
     return names;
 }
 

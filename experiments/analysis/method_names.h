@@ -9,9 +9,10 @@
 
 namespace gib {
 
-/// A name for each label of a row. It begins with the `label` of the experiment file, else with the method's name, and has
-/// those settings that differ among the labels that begin alike, without an `spp` that no run has reached, and their filter: "photon map,
-/// photons=1e5", "photon_mapper photons=1e5". Labels whose names would be equal keep all of their settings.
+/// A name for each label of a row. It is the `label` of the experiment file with those settings that vary within that [[method]]:
+/// "photon map", "photon map, photons=1e5". Without one it is the method's name with those settings that differ among the labels
+/// of the method, and its filter: "photon_mapper photons=1e5". An `spp` that no run has reached is left out. Labels whose names
+/// would be equal keep all of their settings.
 std::map<std::string, std::string> short_names(const Analysis& analysis);
 
 /// The analysis with short names in place of labels, wherever a method is named. Analysis::label_of() has the labels.

@@ -94,7 +94,7 @@ struct ReferenceQuality {
 struct Warning {
     enum class Kind { no_light, busy_machine, unlike_processors, equal_images, reference_contradicted, energy_differs };
     Kind kind;
-    std::string scene;
+    std::string scene;         ///< empty: it is about the whole experiment
     std::string sentence;      ///< without its full stop
     std::string command = {};  ///< what helps; may be empty
 };

@@ -1,6 +1,7 @@
 #include "experiments/analysis/warnings.h"
 
 #include "experiments/analysis/method_names.h"
+#include "experiments/plan/experiment_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -117,28 +118,41 @@ std::string busy_sign(const Analysis& analysis, const std::string& method, const
                        most_passes > least_passes ? fmt::format(" to {}", most_passes) : "");
 }
 
-std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene,
-                                    const std::string& run_command) {
-    std::vector<std::string> methods;
+bool calls_for_equal_passes(const Analysis& analysis, const std::string& scene) {
+    const auto methods = cells_by_method(analysis, scene);
+    return !has_time_budget(analysis.index.experiment_text) || std::ranges::any_of(methods, [&](const auto& method) {
+        return !busy_sign(analysis, method.first, method.second).empty();
+    });
+}
+
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& run_command) {
+    const std::vector<std::string> scenes = scenes_of(analysis);
+    std::set<std::string> busy_scenes, busy_methods;
     std::string signs;
+    std::size_t count = 0;
     auto names = short_names(analysis);
-    for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
-        const std::string sign = busy_sign(analysis, method, cells);
-        if (sign.empty()) continue;
-        methods.push_back(method);
-        const std::string& name = names.try_emplace(method, method).first->second;
-        if (methods.size() <= 2) signs += fmt::format("{}{}: {}", signs.empty() ? "" : "; ", name, sign);
-    }
-    if (methods.empty()) return std::nullopt;
-    if (methods.size() > 2) signs += fmt::format("; and {} more", methods.size() - 2);
+    for (const std::string& scene : scenes)
+        for (const auto& [method, cells] : cells_by_method(analysis, scene)) {
+            const std::string sign = busy_sign(analysis, method, cells);
+            if (sign.empty()) continue;
+            busy_scenes.insert(scene);
+            busy_methods.insert(method);
+            const std::string& name = names.try_emplace(method, method).first->second;
+            if (++count <= 2)
+                signs += fmt::format("{}{}{}: {}", signs.empty() ? "" : "; ", scenes.size() > 1 ? scene + ", " : "",
+                                     name, sign);
+        }
+    if (count == 0) return std::nullopt;
+    if (count > 2) signs += fmt::format("; and {} more", count - 2);
     Warning warning{.kind = Warning::Kind::busy_machine,
-                    .scene = scene,
+                    .scene = "",
                     .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs)};
-    // One method is named by its label; --only names several of them by their scene.
+    // --only names one method by its label, or all cells of one scene.
+    const std::string only = busy_methods.size() == 1  ? fmt::format(" --only '{}'", *busy_methods.begin())
+                             : busy_scenes.size() == 1 ? fmt::format(" --only '{}'", *busy_scenes.begin())
+                                                       : "";
     if (run_command.empty()) warning.sentence += "; the same tuning into another folder (`--out`) measures anew";
-    else
-        warning.command =
-            fmt::format("{} --only '{}' --fresh", run_command, methods.size() == 1 ? methods.front() : scene);
+    else warning.command = fmt::format("{}{} --fresh", run_command, only);
     return warning;
 }
 

@@ -21,9 +21,13 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
 /// The signs of a machine that was busy when it measured the runs of a method, as in busy_machine(); empty if there are none.
 std::string busy_sign(const Analysis& analysis, const std::string& method, const Runs& cells);
 
-/// A warning that names the methods of a scene whose cells had to wait for a processor, or whose seeds took unlike times
+/// Whether the methods of a scene are better compared after equal passes than after equal times: a machine was busy that measured
+/// one of them, or the experiment gives no time after which runs end.
+bool calls_for_equal_passes(const Analysis& analysis, const std::string& scene);
+
+/// One warning about all scenes, which names the methods whose cells had to wait for a processor, or whose seeds took unlike times
 /// for a pass, and the command that measures them again (`run_command` is empty for a tuning). Empty if there are none.
-std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& scene, const std::string& run_command);
+std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& run_command);
 
 /// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
 /// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.

@@ -119,6 +119,7 @@ json photons_json(const CollectedLight& light, Arrays& arrays) {
         maps.push_back({{"name", map.name},
                         {"shown", map.shown.size()},
                         {"stored", map.stored},
+                        {"emitted", map.emitted},
                         {"mean_power", mean},
                         {"power_unit", map.name == "volume" ? "W × scene unit" : "W"}});
     }
@@ -127,6 +128,16 @@ json photons_json(const CollectedLight& light, Arrays& arrays) {
     arrays.add("photon-powers", powers);
     arrays.add("photon-infos", infos);
     return maps;
+}
+
+json beams_json(const CollectedLight& light, Arrays& arrays) {
+    std::vector<Position> ends;
+    for (const StoredBeams::Beam& beam : light.beams.beams)
+        for (const Vec3& end : {beam.from, beam.to})
+            ends.push_back(position_of(end));
+    arrays.add("beam-ends", ends);
+    arrays.add("beam-powers", light.beams.beams, [](const StoredBeams::Beam& beam) { return color_of(beam.power); });
+    return {{"stored", light.stored_beams}, {"shown", light.beams.beams.size()}, {"emitted", light.beams.emitted}};
 }
 
 void add_records(const std::vector<StoredRecord>& records, Arrays& arrays) {
@@ -285,6 +296,7 @@ std::string photons_page(const PageContent& content) {
                   {"diagonal", scene.diagonal()},
                   {"surfaces", surfaces_json(scene, arrays)},
                   {"maps", photons_json(light, arrays)},
+                  {"beams", beams_json(light, arrays)},
                   {"dispersive", scene.has_dispersion()},
                   {"strata", strata_json()},
                   {"estimates", estimates_json(content, arrays)},

@@ -18,6 +18,9 @@ namespace gib {
 
 namespace {
 
+/// More lines than these would cover each other.
+constexpr std::size_t most_beams = 50000;
+
 /// The numbers of photons in an estimate beside the method's own, as multiples of it.
 constexpr std::array multiples_of_k = {0.25, 0.5, 1.0, 2.0, 4.0};
 
@@ -104,6 +107,7 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
     const auto add = [&](const StoredLight& stored, std::uint32_t pass) {
         for (const StoredPhotons& map : stored.photons)
             photons.add(map, pass);
+        light.beams.emitted += stored.beams.emitted;
     };
     StoredLight stored = run->stored_light();
     light.photons_of_passes = stored.is_of_one_pass;
@@ -116,6 +120,10 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
         if (progress == Progress::converged) break;
     }
     light.photons = photons.maps();
+    const std::size_t beams = light.stored_beams = stored.beams.beams.size();
+    const std::size_t shown = std::min({beams, most_beams, work.most_photons});
+    for (std::size_t i = 0; i < beams; ++i)
+        if (is_at_step(i, beams, shown)) light.beams.beams.push_back(stored.beams.beams[i]);
     light.records = std::move(stored.records);
     light.patches = std::move(stored.patches);
     light.cells = std::move(stored.cells);
@@ -147,6 +155,7 @@ void PhotonSubset::add(const StoredPhotons& stored, std::uint32_t pass) {
         if (map->shown.size() >= 2 * most_ + 2) keep_least(map->shown, most_);
     }
     map->stored += stored.photons.size();
+    map->emitted += stored.emitted;
 }
 
 std::vector<PhotonSubset::Map> PhotonSubset::maps() const {

@@ -44,6 +44,7 @@ public:
     struct Map {
         std::string name;
         std::uint64_t stored = 0;      ///< photons of all passes
+        std::uint64_t emitted = 0;     ///< photons emitted for it in all passes
         std::uint64_t not_finite = 0;  ///< number of these photons without a finite power
         double power = 0;              ///< sum over photons, mean of the channels [W]
         double unit = 1;               ///< unit of the photons' power [W]
@@ -73,6 +74,8 @@ struct StoredLightWork {
 
 struct CollectedLight {
     std::vector<PhotonSubset::Map> photons;
+    StoredBeams beams;             ///< `emitted`: for those of all passes
+    std::size_t stored_beams = 0;  ///< of which `beams` are some, evenly spaced
     std::vector<StoredRecord> records;
     StoredPatches patches;
     std::vector<RadianceField::Cell> cells;
@@ -80,14 +83,16 @@ struct CollectedLight {
     bool photons_of_passes = false;    ///< whether each pass has photons of its own
     std::vector<std::string> skipped;  ///< passes of the plan that were not run, with the reasons
 
-    bool empty() const { return photons.empty() && records.empty() && patches.patches.empty() && cells.empty(); }
+    bool empty() const {
+        return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty() && cells.empty();
+    }
 };
 
 /// Throws InputError, which names the methods that store light, if the method is none of them.
 void require_stored_light(const MethodLabel& method);
 
 /// Makes passes until a further one would store no other light, at most `most_passes`; none if the start stores all. The
-/// photons are those of all passes made, records and patches those after the last.
+/// photons are those of all passes made, beams, records and patches those after the last.
 CollectedLight collect_stored_light(const StoredLightWork& work);
 
 struct EstimateWork {

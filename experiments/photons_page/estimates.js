@@ -151,6 +151,16 @@ class Estimates {
   }
 }
 
+/// What the photons of the method's image were emitted for.
+function emission(emitted) {
+  const all = [...facts.maps.map((map) => [map.emitted, `for the ${map.name} map`]), [facts.beams.emitted, "for the beams"]];
+  const rest = emitted - all.reduce((sum, [count]) => sum + count, 0);
+  all.push([rest, "to find radii and shadows or for maps that stay empty"]);
+  const passes = facts.photons_of_passes && facts.passes > 1 ? ` in ${counted(facts.passes)} passes` : "";
+  const parts = all.filter(([count]) => count > 0).map(([count, what]) => `${counted(count)} ${what}`);
+  return `${counted(emitted)} photons emitted${passes}: ${parts.join(", ")}.`;
+}
+
 function addEstimates(view, layers) {
   const { k, own, passes, truth, emitted } = facts.estimates, estimates = new Estimates(view, layers);
   const place = part("estimate");
@@ -163,7 +173,7 @@ function addEstimates(view, layers) {
   }
   const image = `Estimates are those of the method's image after ${counted(passes)} pass${passes === 1 ? "" : "es"}`;
   place.append(element("p", { className: "facts", textContent: `${image}${truth ? "" : "; --reference adds the truth"}.` }));
-  if (emitted) part("maps").append(element("p", { className: "facts", textContent: `${counted(emitted)} photons emitted. ` +
+  if (emitted) part(layers.photons ? "maps" : "beams").append(element("p", { className: "facts", textContent: `${emission(emitted)} ` +
     "Powers are in watts if a scene unit is a metre; else they are to be multiplied by its square [m²]." }));
   return estimates;
 }

@@ -1,11 +1,12 @@
 // Puts stage and panel together.
 
 function describeShown(view, layers) {
-  const { photons, records, patches, cells } = layers, parts = [];
+  const { photons, beams, records, patches, cells } = layers, parts = [];
   if (photons) {
     const stored = facts.maps.reduce((sum, map) => sum + map.stored, 0);
     parts.push(`${counted(photons.visible)} of ${counted(stored)} photons shown`);
   }
+  if (beams) parts.push(beams.group.visible ? `${counted(beams.count)} beams` : "no beams");
   if (records) parts.push(records.group.visible ? `${counted(records.count)} records` : "no records");
   if (patches) parts.push(patches.group.visible ? `${counted(patches.count)} patches` : "no patches");
   if (cells) parts.push(cells.group.visible ? `${counted(cells.visible)} cells` : "no cells");
@@ -89,6 +90,16 @@ function addLayer(view, layers, name, label, detail, ...more) {
     layers[name].group.visible = on;
     describeShown(view, layers);
   }).whole, ...more.map((control) => control.whole));
+}
+
+function addBeams(view, layers) {
+  const { beams } = layers, { shown, stored } = facts.beams;
+  addLayer(view, layers, "beams", "lines",
+    `${shown < stored ? `${counted(shown)} of ` : "all "}${counted(stored)} on this page; white: ${short(beams.white)} W`,
+    exposureSlider(8, (value) => {
+      beams.expose(value);
+      view.redraw();
+    }));
 }
 
 function addRecords(view, layers) {
@@ -185,16 +196,19 @@ function start() {
     : facts.passes > 0 ? `, after pass ${facts.passes}` : "";
   part("origin").textContent = `seed ${facts.seed}${passes}`;
   if (facts.maps.length) layers.photons = new Photons();
+  if (facts.beams.shown) layers.beams = new Beams();
   if (facts.records) layers.records = new Records();
   if (facts.patches) layers.patches = new Patches();
   if (facts.cells.stored) layers.cells = new Cells();
   view.scene.add(layers.surfaces.mesh);
   if (layers.photons) view.scene.add(layers.photons.points);
+  if (layers.beams) view.scene.add(layers.beams.group);
   if (layers.records) view.scene.add(layers.records.group);
   if (layers.patches) view.scene.add(layers.patches.group);
   if (layers.cells) view.scene.add(layers.cells.group);
   if (facts.estimates) layers.estimates = addEstimates(view, layers);
   if (layers.photons) addPhotons(view, layers);
+  if (layers.beams) addBeams(view, layers);
   if (layers.records) addRecords(view, layers);
   if (layers.patches) addPatches(view, layers);
   if (layers.cells) addCells(view, layers);

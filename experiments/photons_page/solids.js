@@ -1,4 +1,4 @@
-// Everything that has an area: the scene's surfaces, records of an irradiance cache as discs, patches of radiosity.
+// Everything that has an extent: the scene's surfaces, photon beams, records of an irradiance cache as discs, patches of radiosity.
 
 const colorsOf = (numbers, factor) => numbers.map((v) => clamped(v * factor, 0, 1));
 
@@ -34,6 +34,35 @@ class Surfaces {
       material.opacity = solid ? 1 : how === "wire" ? 0.3 : [0.2, 0.3][i];
       material.needsUpdate = true;
     });
+  }
+}
+
+/// Photon beams as lines, which add up as light does.
+class Beams {
+  constructor() {
+    this.powers = arrayOf("beam-powers", Float32Array);
+    this.count = this.powers.length / 3;
+    this.white = quantile(this.powers, 0.98) || 1;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(arrayOf("beam-ends", Float32Array), 3));
+    geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(6 * this.count), 3));
+    this.group = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({
+      vertexColors: true, transparent: true, depthWrite: false, blending: THREE.AdditiveBlending,
+    }));
+    this.group.frustumCulled = false;
+    this.group.renderOrder = 3;
+    this.expose(0);
+  }
+
+  /// A beam is the brighter, the fewer there are.
+  expose(stops) {
+    const { color } = this.group.geometry.attributes, factor = (Math.min(1, 200 / this.count) * 2 ** stops) / this.white;
+    for (let i = 0; i < this.count; i++) {
+      const shown = colorsOf(this.powers.subarray(3 * i, 3 * i + 3), factor);
+      color.array.set(shown, 6 * i);
+      color.array.set(shown, 6 * i + 3);
+    }
+    color.needsUpdate = true;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "experiments/plan/experiment_methods.h"
 #include "experiments/plan/method_sweep.h"
 #include "experiments/plan/toml_reader.h"
+#include "experiments/system/shipped_files.h"
 #include "methods/method.h"
 
 #include <algorithm>
@@ -29,14 +30,15 @@ std::string path_beside(const Experiment& experiment, const std::filesystem::pat
     return (written.is_absolute() ? written : folder / written).lexically_normal().string();
 }
 
-/// "; did you mean 'cornell-box.xml'?", if a file of the folder has such a name.
-std::string near_file(const std::filesystem::path& path) {
+/// "; did you mean 'cornell-box.xml'?", if a file of the folder or a scene that comes with the program has such a name.
+std::string near_scene(const std::filesystem::path& path) {
     std::vector<std::string> names;
     std::error_code no_folder;
     for (const auto& entry : std::filesystem::directory_iterator(path.parent_path(), no_folder))
         if (entry.path().extension() == ".xml") names.push_back(entry.path().filename().string());
     std::ranges::sort(names);
-    return did_you_mean(path.filename().string(), names);
+    const std::string file = did_you_mean(path.filename().string(), names);
+    return file.empty() ? did_you_mean(path.stem().string(), shipped_scene_names()) : file;
 }
 
 void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& experiment) {
@@ -45,9 +47,14 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         scene.where = reader.at(value);
         scene.written = reader.string(value, "scenes");
         scene.path = path_beside(experiment, scene.written);
-        scene.name = std::filesystem::path(scene.written).stem().string();
-        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error))
-            reject(scene.where, "there is no scene file '{}'{}", scene.path, near_file(scene.path));
+        if (std::error_code error; !std::filesystem::is_regular_file(scene.path, error)) {
+            const std::string shipped = shipped_scene(scene.written);
+            if (shipped.empty())
+                reject(scene.where, "there is no scene file '{}', and no scene of that name (`gibench list scenes`){}",
+                       scene.path, near_scene(scene.path));
+            scene.path = shipped;
+        }
+        scene.name = std::filesystem::path(scene.path).stem().string();
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
                 reject(scene.where, "two scenes are named '{}': tables could not tell them apart", scene.name);
@@ -237,6 +244,16 @@ Experiment parse_experiment(const std::string& text, const std::string& path) {
         if (external.takes("seconds") && !experiment.budget.seconds)
             reject(external.where, "a command with {{seconds}} needs a budget in seconds");
     return experiment;
+}
+
+bool has_time_budget(const std::string& text) {
+    try {
+        const TomlReader reader(text, "");
+        const auto* budget = reader.root().get("budget");
+        return !reader.root().get("method") || (budget && read_budget(reader, *budget).seconds);
+    } catch (const InputError&) {
+        return true;
+    }
 }
 
 Experiment load_experiment(const std::string& path) { return parse_experiment(read_file(path), path); }

@@ -78,6 +78,9 @@ Experiment load_experiment(const std::string& path);
 /// as load_experiment().
 Experiment parse_experiment(const std::string& text, const std::string& path);
 
+/// Whether the text of an experiment file gives a budget in seconds. Of a text that is no experiment, nothing is known: true.
+bool has_time_budget(const std::string& text);
+
 /// The fraction that a text such as "1%" or "0.01" gives. Throws InputError at `where` unless it lies in (0, 1).
 double parse_target(const std::string& text, const SourceLocation& where = {});
 

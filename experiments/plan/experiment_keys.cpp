@@ -1,5 +1,6 @@
 #include "experiments/plan/experiment_keys.h"
 
+#include "common/core/nearest_word.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/external_method.h"
 #include "experiments/plan/run_options.h"
@@ -17,7 +18,9 @@ DeclaredTable keys_of_the_file() {
             "what is rendered, how often and for how long",
             {{"title", "text; default: the file's name without `.toml`", "heading of the tables and the report"},
              {"scenes", "list of texts; required",
-              "scene files, relative to the experiment file; no two may have the same file name"},
+              "scene files, relative to the experiment file, or names that `gibench list scenes` prints; a file comes "
+              "before a "
+              "scene of that name, and no two scenes may have the same name"},
              {"paths", "list of folders, relative to the experiment file",
               "where the scenes' files are searched for, after each scene's own folder"},
              {"resolution", fmt::format("`[width, height]`, 1 to {}; default: each scene's own", most_pixels_across),
@@ -127,6 +130,14 @@ const std::vector<DeclaredTable>& experiment_keys() {
         keys_of_a_command(),
         keys_of_tune()};
     return tables;
+}
+
+std::string help_with_key(const std::string& key, const std::vector<std::string>& known) {
+    for (const DeclaredTable& table : experiment_keys())
+        for (const Declared& entry : table.entries)
+            if (table.name == "experiment" && entry.name == key && entry.value.find("table") == std::string::npos)
+                return "; it stands above the first [[method]] and all other tables.";
+    return did_you_mean_or_stop(key, known);
 }
 
 }  // namespace gib

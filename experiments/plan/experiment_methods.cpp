@@ -34,11 +34,28 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     return name;
 }
 
+/// The first word of a command, in which blanks may stand between quotes or after a backslash, as in a shell.
+std::string first_word(const std::string& command) {
+    std::string word;
+    char quote = '\0';
+    for (std::size_t i = command.find_first_not_of(" \t\n"); i < command.size(); ++i) {
+        const char c = command[i];
+        if (c == '\\' && quote != '\'' && i + 1 < command.size()) word += command[++i];
+        else if (c == quote) quote = '\0';
+        else if (quote == '\0' && (c == '\'' || c == '"')) quote = c;
+        else if (quote == '\0' && std::string_view(" \t\n").find(c) != std::string_view::npos) break;
+        else word += c;
+    }
+    return word;
+}
+
 /// The name of the file that the command's first word gives, of characters that a label may have.
 std::string program_of(const std::string& command) {
-    const std::string word = command.substr(0, command.find_first_of(" \t\n"));
+    const std::string word = first_word(command);
     std::string name = word.substr(word.rfind('/') + 1);
-    std::erase_if(name, [](char c) { return std::string_view("{}='\"`,;$").find(c) != std::string_view::npos; });
+    std::erase_if(name, [](char c) { return std::string_view("{}='\"`,;$\\").find(c) != std::string_view::npos; });
+    std::ranges::replace_if(
+        name, [](char c) { return std::string_view(" \t\n").find(c) != std::string_view::npos; }, '_');
     return name.empty() ? "command" : name;
 }
 
@@ -124,7 +141,7 @@ std::vector<MethodLabel> read_labels(const TomlReader& reader, const toml::table
             reject(entry.key_at,
                    "unknown key '{}' in a [[method]] with a command{} There are: {}, and the names in braces in "
                    "its command ({})",
-                   entry.key, did_you_mean_or_stop(entry.key, settings), fmt::join(settings, ", "),
+                   entry.key, help_with_key(entry.key, settings), fmt::join(settings, ", "),
                    fmt::join(placeholders, ", "));
         sweep.add(entry);
     }

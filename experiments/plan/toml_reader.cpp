@@ -2,6 +2,7 @@
 
 #include "common/core/nearest_word.h"
 #include "common/core/reject.h"
+#include "experiments/plan/experiment_keys.h"
 
 #include <fmt/ranges.h>
 
@@ -67,7 +68,8 @@ void TomlReader::check_keys(const toml::table& table, std::string_view what,
     for (const auto& entry : entries(table))
         if (std::ranges::find(known, entry.key) == known.end())
             reject(entry.key_at, "unknown key '{}' in {}{} There are: {}", entry.key, what,
-                   did_you_mean_or_stop(entry.key, known), fmt::join(known, ", "));
+                   &table == &root_ ? did_you_mean_or_stop(entry.key, known) : help_with_key(entry.key, known),
+                   fmt::join(known, ", "));
 }
 
 std::string TomlReader::typed_at(const toml::source_position& position) const {

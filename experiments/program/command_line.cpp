@@ -8,7 +8,7 @@
 #include "experiments/program/command_line_text.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
-#include "experiments/program/named_files.h"
+#include "experiments/system/shipped_files.h"
 #include "experiments/program/run_comparison.h"
 #include "experiments/results/result_folder.h"
 #include "experiments/run/repeat.h"

@@ -3,7 +3,7 @@
 #include "common/core/nearest_word.h"
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
-#include "experiments/program/named_files.h"
+#include "experiments/system/shipped_files.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>

@@ -10,7 +10,7 @@
 #include "experiments/metrics/epsilon.h"
 #include "experiments/photons/page.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/program/named_files.h"
+#include "experiments/program/kept_references.h"
 #include "experiments/report/report.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/file_lock.h"
@@ -110,6 +110,8 @@ void print_what_is_shown(const CollectedLight& light, std::ostream& out) {
     for (const PhotonSubset::Map& map : light.photons)
         out << fmt::format("{} map: {} of {} photons shown ({:.3g} %)\n", map.name, map.shown.size(), map.stored,
                            100 * static_cast<double>(map.shown.size()) / static_cast<double>(map.stored));
+    if (!light.beams.beams.empty())
+        out << fmt::format("beams: {} of {} shown\n", light.beams.beams.size(), light.stored_beams);
     if (!light.records.empty()) out << fmt::format("irradiance records: {}\n", light.records.size());
     if (!light.patches.patches.empty())
         out << fmt::format("patches: {}, corners: {}\n", light.patches.patches.size(), light.patches.corners.size());

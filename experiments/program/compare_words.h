@@ -18,9 +18,13 @@ struct Brightness {
 };
 Brightness brightness(const Image& image, const Image& reference, double epsilon);
 
+/// Whether the values of an image are those of a display: without the sRGB curve, which may have been applied to multiples of the
+/// radiance and clipped at 1, it is four times as like to the reference.
+bool has_srgb_curve(const Image& image, const Image& reference);
+
 /// "1.20 times too bright; scaled, 4.02 % are left, within the reference's noise of 4.3 %", and whether the mean of the images
-/// fits better upside down, mirrored or with red and blue swapped.
-std::string comparison_sentence(const std::vector<Image>& tests, const ReferenceLayer& reference,
+/// is black, has the sRGB curve, or fits better upside down, mirrored or with red and blue swapped.
+std::string comparison_sentence(const std::vector<Image>& images, const ReferenceLayer& reference,
                                 const Denominators& denominators);
 
 /// The reasons why an image cannot be compared well: 8 bits a channel, clipped values, no colour beside another that has some.

@@ -3,7 +3,7 @@
 #include "common/scene/effects.h"
 #include "experiments/plan/experiment_keys.h"
 #include "experiments/program/commands.h"
-#include "experiments/program/named_files.h"
+#include "experiments/system/shipped_files.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
 #include "methods/method.h"

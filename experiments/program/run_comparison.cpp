@@ -38,24 +38,28 @@ public:
     /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in both
     /// runs.
     std::vector<std::vector<Pair>> all(const std::vector<std::string>& methods) const {
-        std::vector<std::vector<Pair>> numbers;
-        std::vector<Pair> errors;
-        for (const std::string& method : methods) {
-            const double seconds =
-                std::min(mean_seconds(before_.cells().at(method)), mean_seconds(after_.cells().at(method)));
-            add(method, before_.after(seconds), after_.after(seconds), Change::Of::error, seconds, errors);
-        }
-        numbers.push_back(std::move(errors));
+        std::vector<std::vector<Pair>> numbers = {errors(methods, Change::Of::error)};
         for (std::size_t t = 0; t < target_errors.size(); ++t) {
             const auto ranking = before_.to_error(t), later = after_.to_error(t);
             std::vector<Pair> times;
             for (const std::string& method : methods)
                 add(method, ranking, later, Change::Of::seconds, target_errors[t], times);
+            set_scatter_of(times);
             numbers.push_back(std::move(times));
         }
-        for (std::vector<Pair>& pairs : numbers)
-            set_scatter_of(pairs);
         return numbers;
+    }
+
+    /// The errors of the methods at equal time, or at equal passes where these stand for seconds.
+    std::vector<Pair> errors(const std::vector<std::string>& methods, Change::Of of) const {
+        std::vector<Pair> errors;
+        for (const std::string& method : methods) {
+            const double seconds =
+                std::min(mean_seconds(before_.cells().at(method)), mean_seconds(after_.cells().at(method)));
+            add(method, before_.after(seconds), after_.after(seconds), of, seconds, errors);
+        }
+        set_scatter_of(errors);
+        return errors;
     }
 
 private:
@@ -71,7 +75,7 @@ private:
         if (!a || !b) return;
         pairs.push_back({{.scene = scene_, .method = method, .of = of, .at = at}, *a, *b});
         // An error that one of the references does not resolve is not above the noise floor of either.
-        if (of == Change::Of::error) {
+        if (of != Change::Of::seconds) {
             const double floor = std::max(before_.noise_floor(), after_.noise_floor());
             Pair& pair = pairs.back();
             for (auto [c, is_floor] : {std::pair(&pair.before, &pair.change.before_is_floor),
@@ -102,7 +106,7 @@ private:
 /// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is none yet.
 void judge(Pair& pair, double tail) {
     Change& change = pair.change;
-    const double squares = change.of == Change::Of::error ? 2 : 1;  // contenders have squared errors
+    const double squares = change.of == Change::Of::seconds ? 1 : 2;  // contenders have squared errors
     std::vector<VarianceTerm> terms = pair.before.scatter;
     terms.insert(terms.end(), pair.after.scatter.begin(), pair.after.scatter.end());
     const double log_factor = (pair.after.log_mean - pair.before.log_mean) / squares;
@@ -114,8 +118,8 @@ void judge(Pair& pair, double tail) {
         change.factor.interval = Interval{std::min(change.factor.value, std::exp(log_factor - half)),
                                           std::max(change.factor.value, std::exp(log_factor + half))};
     if (change.verdict != ChangeVerdict::cannot_be_told || !change.factor.interval) return;
-    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root.
-    const double same = std::pow(same_speed, 1 / squares);
+    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root, but none at equal passes.
+    const double same = change.of == Change::Of::error_at_passes ? 1 : std::pow(same_speed, 1 / squares);
     if (change.factor.interval->hi < 1 / same) change.verdict = ChangeVerdict::better;
     if (change.factor.interval->lo > same) change.verdict = ChangeVerdict::worse;
 }
@@ -134,7 +138,7 @@ const IndexScene* scene_named(const Analysis& analysis, const std::string& name)
     return found == analysis.index.scenes.end() ? nullptr : &*found;
 }
 
-/// The verdict on seconds that do not compare; `cannot_be_told` of others.
+/// The verdict on seconds of a method that do not compare; `cannot_be_told` of others.
 ChangeVerdict verdict_on_machines(const Analysis& before, const Analysis& after, const Change& change) {
     const auto machine = [&](const Analysis& run) { return machine_of(run, change.scene, change.method); };
     const auto is_busy = [&](const Analysis& run) {
@@ -142,6 +146,17 @@ ChangeVerdict verdict_on_machines(const Analysis& before, const Analysis& after,
     };
     if (machine(before) != machine(after)) return ChangeVerdict::other_machine;
     return is_busy(before) || is_busy(after) ? ChangeVerdict::busy_machine : ChangeVerdict::cannot_be_told;
+}
+
+/// The errors at equal passes of those methods whose seconds do not compare.
+std::vector<Pair> errors_at_passes(const Analysis& before, const Analysis& after, const std::string& scene,
+                                   std::vector<std::string> methods) {
+    std::erase_if(methods, [&](const std::string& method) {
+        return verdict_on_machines(before, after, {.scene = scene, .method = method}) == ChangeVerdict::cannot_be_told;
+    });
+    if (methods.empty()) return {};
+    const Analysis passes_before = with_passes_for_seconds(before), passes_after = with_passes_for_seconds(after);
+    return ScenePairs(passes_before, passes_after, scene).errors(methods, Change::Of::error_at_passes);
 }
 
 /// The short names of the labels that only `run` has.
@@ -223,8 +238,9 @@ Analysis analysis_in(const std::string& path) {
     return analysis;
 }
 
-/// "error after 1.20 s" or "seconds to 5 %"
+/// "error after 1.20 s", "error, 16 passes" or "seconds to 5 %"
 std::string quantity(const Change& change) {
+    if (change.of == Change::Of::error_at_passes) return fmt::format("error, {:.4g} passes", change.at);
     return change.of == Change::Of::error ? fmt::format("error after {} s", short_number(change.at))
                                           : fmt::format("seconds to {:g} %", 100 * change.at);
 }
@@ -238,7 +254,7 @@ std::string floor_remark(const Change& change) {
 }
 
 std::string value_text(const Change& change, double value) {
-    return change.of == Change::Of::error ? percent_text(value) + " %" : short_number(value);
+    return change.of == Change::Of::seconds ? short_number(value) : percent_text(value) + " %";
 }
 
 std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict) {
@@ -280,7 +296,8 @@ RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
         std::vector<std::string> methods;
         for (const std::string& method : before.index.methods)
             if (both.has_both(method)) methods.push_back(method);
-        const auto numbers = both.all(methods);
+        auto numbers = both.all(methods);
+        numbers.insert(numbers.begin() + 1, errors_at_passes(before, after, scene, methods));
         for (const std::string& method : methods)
             for (const auto& of_all : numbers)
                 for (const Pair& pair : of_all)
@@ -288,7 +305,7 @@ RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
     }
     for (Pair& pair : pairs) {
         Change& change = pair.change;
-        change.verdict = verdict_on_machines(before, after, change);
+        if (change.of != Change::Of::error_at_passes) change.verdict = verdict_on_machines(before, after, change);
         judge(pair, change_tail / static_cast<double>(pairs.size()));
         change.name = name_in_both(before, after, change);
         const auto found = std::ranges::find(changed, change.method, &LabelPairs::value_type::second);
@@ -307,10 +324,11 @@ CsvTable change_table(const RunComparison& comparison) {
     CsvTable table{{"scene", "method", "number", "at", "before", "after", "factor", "factor_lo", "factor_hi", "verdict",
                     "label", "before_is_floor", "after_is_floor", "method_after"},
                    {}};
+    constexpr const char* names[] = {"error", "error_at_passes", "seconds"};  // in the order of Change::Of
     const auto yes = [](bool is_so) { return is_so ? "yes" : ""; };
     for (const Change& c : comparison.changes)
-        table.add({c.scene, c.method, c.of == Change::Of::error ? "error" : "seconds", csv_number(c.at),
-                   csv_number(c.before), csv_number(c.after), csv_number(c.factor.value),
+        table.add({c.scene, c.method, names[static_cast<std::size_t>(c.of)], csv_number(c.at), csv_number(c.before),
+                   csv_number(c.after), csv_number(c.factor.value),
                    c.factor.interval ? csv_number(c.factor.interval->lo) : "",
                    c.factor.interval ? csv_number(c.factor.interval->hi) : "", name_of(c.verdict), c.name,
                    yes(c.before_is_floor), yes(c.after_is_floor), c.method_after});

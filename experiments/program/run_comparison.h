@@ -27,12 +27,13 @@ inline constexpr double same_speed = 1.05;
 
 /// One number of a cell in both runs. Less is better.
 struct Change {
-    enum class Of { error, seconds };
+    enum class Of { error, error_at_passes, seconds };
     std::string scene, method;      ///< method: its label in the old run
     std::string method_after = {};  ///< its label in the new run
     std::string name = {};  ///< short name of the method (method_names.h), if both runs have the same; else the label
     Of of = Of::error;
-    double at = 0;  ///< of an error: the time after which it is compared [s]; of seconds: the relative RMSE
+    double at =
+        0;  ///< of an error: the time [s] or the passes after which it is compared; of seconds: the relative RMSE
     double before = 0, after = 0;  ///< relative RMSE or seconds, means over the seeds as table.csv has them
     bool before_is_floor = false, after_is_floor = false;  ///< the error was below the noise floor and is shown as that
     /// after / before; its interval, of the ratio of geometric means and widened to hold the ratio of these means, holds
@@ -49,7 +50,8 @@ struct RunComparison {
 /// Compares the totals of those cells that both runs have. A method whose settings have changed has another label; the labels
 /// that only one of the runs has are one method if their short names are equal, or else if they alone are left of those whose
 /// names begin alike (method_names.h). Errors are compared after the time that the shorter of both runs
-/// took; an error below what one of the references resolves counts as equal to that. Times are compared where all seeds
+/// took; where a busy machine or another one makes times useless, also after the passes that the shorter of both made. An error
+/// below what one of the references resolves counts as equal to that. Times are compared where all seeds
 /// of both runs have reached an error.
 RunComparison compare_runs(const Analysis& before, const Analysis& after);
 
@@ -59,7 +61,7 @@ struct CompareRunsOptions {
     bool fail_if_worse = false;
 };
 
-/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]) or `seconds` (to the relative RMSE `at`);
+/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at` passes) or `seconds` (to the relative RMSE `at`);
 /// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
 CsvTable change_table(const RunComparison& comparison);
 /// The numbers of each cell in words, the remarks, and a summary.

@@ -47,7 +47,7 @@ json bar_data(const std::vector<double>& shares, const Section& section) {
 
 json entry_data(const Entry& entry, const Analysis& analysis, const Section& section, std::size_t column) {
     const auto* field = std::get_if<Field>(&entry.shown);
-    const FieldText text = field ? text_of(*field) : FieldText{std::get<std::string>(entry.shown), ""};
+    const FieldText text = field ? text_of(*field) : FieldText{std::get<std::string>(entry.shown), entry.remark};
     constexpr const char* marks[] = {"", " best", " tie", " never"};  // in the order of Mark
     return {{"value", text.value},
             {"detail", text.detail},
@@ -183,7 +183,7 @@ json page_data(const Analysis& analysis) {
     const auto in_table = [](const Section::Row& row) { return row.layer.value_or(Layer::total) == Layer::total; };
     json scenes = json::array(), targets = json::array(), warnings = json::array();
     for (const Warning& w : analysis.warnings)
-        warnings.push_back(fmt::format("{}: {}", w.scene, sentence_of(w)));
+        warnings.push_back(about_scene(w.scene, sentence_of(w)));
     for (const auto& quality : analysis.references)
         scenes.push_back(scene_data(quality, all, analysis));
     for (const std::size_t t : asked_targets)

@@ -145,34 +145,33 @@ Section footing_section(const Analysis& analysis) {
 Section verdict_section(const Analysis& analysis) {
     Section section{
         "Which method is cheapest, and why",
-        "Seconds to the relative RMSE on the left. The error is that after the best one's time; where no method has "
+        "The answer stands with the method. Seconds: to the relative RMSE beside it. The error is that after the best "
+        "one's time; where no method has "
         "reached it, that of the final images. Of its squared error: shares of the sum of its components' squared "
         "errors. Bias or noise: of the "
         "final images.",
-        {words("to reach"),
-         words("method"),
+        {words("method"),
+         {"to reach"},
          {"seconds"},
          {"times the best"},
          {"relative RMSE % then"},
          words("of its squared error"),
-         words("bias or noise"),
-         words("remarks")},
+         words("bias or noise")},
         {},
         Section::Kind::verdict};
     for (const auto& scene : scenes_of(analysis))
         for (const VerdictRow& v : verdict(analysis, scene))
             section.rows.push_back(
                 {.scene = scene,
-                 .entries = {{v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
-                             method_entry(v.method, v.method.empty() ? "none" : v.method),
+                 .entries = {{v.method.empty() ? "none" : v.method, Mark::none, v.method, v.remark},
+                             {v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
                              {v.seconds, v.is_best                 ? Mark::best
                                          : v.seconds.is_measured() ? Mark::none
                                                                    : Mark::grey},
                              {v.factor},
                              {v.error},
                              {v.parts},
-                             {v.kind},
-                             {v.remark}}});
+                             {v.kind}}});
     return section;
 }
 
@@ -203,26 +202,28 @@ Section crossover_section(const Analysis& analysis) {
     return section;
 }
 
-/// The other methods' errors as multiples of the best one's.
-std::string others_text(const EqualTimeRow& row) {
+/// The other methods' errors as multiples of the best one's. `unit`: s or passes.
+std::string others_text(const EqualTimeRow& row, const std::string& unit) {
     std::string text;
     for (const Contender& c : row.ranking | std::views::drop(1)) {
-        const std::string number = c.standing == Standing::no_image
-                                       ? line_of(Field{State::no_image, c.first_image})
-                                       : short_number(std::sqrt(c.mean / row.ranking.front().mean)) +
-                                             (c.standing == Standing::tie          ? " (tie)"
-                                              : c.standing == Standing::incomplete ? " (not all light)"
-                                                                                   : "");
+        const std::string number =
+            c.standing == Standing::no_image
+                ? fmt::format("no image yet; first after {} {}", short_number(c.first_image), unit)
+                : short_number(std::sqrt(c.mean / row.ranking.front().mean)) + (c.standing == Standing::tie ? " (tie)"
+                                                                                : c.standing == Standing::incomplete
+                                                                                    ? " (not all light)"
+                                                                                    : "");
         text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", c.method, number);
     }
     return text;
 }
 
-Section equal_time_section(const Analysis& analysis) {
-    Section section{"At equal time",
-                    "After the whole time of the fastest method; the reference's own error is subtracted.",
+/// The methods after equal seconds, or after equal passes in their place.
+Section equal_section(const Analysis& analysis, std::string title, std::string sentence, bool is_time) {
+    Section section{std::move(title),
+                    std::move(sentence),
                     {words("component"),
-                     {"seconds"},
+                     {is_time ? "seconds" : "passes"},
                      words("best"),
                      {"relative RMSE %"},
                      words("beside others"),
@@ -232,12 +233,30 @@ Section equal_time_section(const Analysis& analysis) {
         if (!best || !(best->mean > row.noise_floor)) continue;
         section.rows.push_back({.scene = row.scene,
                                 .entries = {{std::string(name_of(row.layer))},
-                                            number(row.seconds),
+                                            {measured(row.seconds, is_time ? Unit::number : Unit::whole)},
                                             method_entry(best->method, best->method),
                                             {measured(best->mean, Unit::root)},
                                             {doubts(row.ranking)},
-                                            {others_text(row)}}});
+                                            {others_text(row, is_time ? "s" : "passes")}}});
     }
+    return section;
+}
+
+Section equal_time_section(const Analysis& analysis) {
+    return equal_section(analysis, "At equal time",
+                         "After the whole time of the fastest method; the reference's own error is subtracted.", true);
+}
+
+Section equal_passes_section(const Analysis& analysis) {
+    const auto is_called_for = [&](const std::string& scene) { return calls_for_equal_passes(analysis, scene); };
+    if (std::ranges::none_of(scenes_of(analysis), is_called_for)) return {};
+    Section section = equal_section(
+        with_passes_for_seconds(analysis), "At equal passes",
+        "For scenes whose methods were not given equal times, or whose times a busy machine made too long: after all "
+        "passes of the "
+        "method that made the fewest. A pass is one sample a pixel; what it costs differs between methods.",
+        false);
+    std::erase_if(section.rows, [&](const Row& row) { return !is_called_for(row.scene); });
     return section;
 }
 
@@ -354,6 +373,7 @@ std::vector<Section> sections(const Analysis& analysis) {
             "absolute units, so that they do not add "
             "up to the square of the relative RMSE, of which the share is; and the noise's spatial frequencies."),
         equal_time_section(analysis),
+        equal_passes_section(analysis),
         frontier_section(analysis),
         bias_law_section(analysis),
         stages_section(analysis),

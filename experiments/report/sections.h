@@ -18,6 +18,7 @@ struct Entry {
     Shown shown;
     Mark mark = Mark::none;
     std::string method = "";          ///< the label whose colour it has
+    std::string remark = "";          ///< stands below a text, in brackets in Markdown
     std::vector<double> shares = {};  ///< drawn as a bar beside it
 };
 

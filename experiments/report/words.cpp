@@ -366,9 +366,9 @@ std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& sce
 
 ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target) {
     for (const VerdictRow& v : verdict(analysis, scene)) {
-        if (!v.target) return {"not judged", ""};
+        if (!v.target) return {"not judged", v.remark};
         if (v.target != target) continue;
-        if (v.method.empty()) return {"not resolved", ""};
+        if (v.method.empty()) return {"not resolved", v.remark};
         std::string doubt = v.doubts.empty() ? "" : ", " + v.doubts;
         std::ranges::replace(doubt, '`', '\'');  // the page's head has no code
         if (v.is_best) return {v.method, short_number(v.seconds.value) + " s" + doubt};
@@ -390,6 +390,10 @@ std::string help_of(const Warning& warning) {
 
 std::string sentence_of(const Warning& warning) {
     return fmt::format("Warning: {}{}.", warning.sentence, help_of(warning));
+}
+
+std::string about_scene(const std::string& scene, const std::string& sentence) {
+    return scene.empty() ? sentence : scene + ": " + sentence;
 }
 
 }  // namespace gib

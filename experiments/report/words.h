@@ -96,5 +96,7 @@ ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::si
 std::string help_of(const Warning& warning);
 /// "Warning: ...", with the command that helps.
 std::string sentence_of(const Warning& warning);
+/// A sentence about a scene, "room: ..."; the sentence alone if `scene` is empty.
+std::string about_scene(const std::string& scene, const std::string& sentence);
 
 }  // namespace gib

@@ -150,7 +150,7 @@ std::string RunSession::write_results() {
         for (const auto& what : damage)
             log.progress.message("warning: " + what);
         for (const Warning& warning : analysis.warnings) {
-            const std::string text = fmt::format("{}: {}{}", warning.scene, warning.sentence, help_of(warning));
+            const std::string text = about_scene(warning.scene, warning.sentence + help_of(warning));
             // A busy machine makes nothing wrong but times.
             if (warning.kind == Warning::Kind::busy_machine) log.progress.note("note: " + text);
             else log.progress.message("warning: " + text);

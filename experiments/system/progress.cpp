@@ -20,22 +20,24 @@ void say(const std::string& text) {
 
 }  // namespace
 
-ProgressLine::ProgressLine(std::optional<bool> terminal) : terminal_(terminal.value_or(isatty(STDERR_FILENO) == 1)) {}
+ProgressLine::ProgressLine(std::optional<bool> terminal, std::optional<double> seconds)
+    : terminal_(terminal.value_or(isatty(STDERR_FILENO) == 1)), wait_(seconds.value_or(terminal_ ? 0.1 : 10.0)) {}
 
 ProgressLine::~ProgressLine() { clear(); }
 
 void ProgressLine::update(double fraction, std::optional<double> seconds_left, const std::string& what) {
     if (quiet) return;
     const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double> wait(terminal_ ? 0.1 : 10.0);
     if (!last_ && !terminal_) last_ = now;  // short work needs no line
-    if (last_ && now - *last_ < wait) return;
+    if (last_ && now - *last_ < wait_) return;
     last_ = now;
     fraction = std::clamp(fraction, 0.0, 1.0);
     const std::string left = seconds_left ? fmt::format(", {} left", duration_text(*seconds_left)) : "";
     const int percent = static_cast<int>(100 * fraction);
     if (!terminal_) {
-        say(fmt::format("{:3} %{}  {}\n", percent, left, what));
+        const std::string line = fmt::format("{:3} %{}  {}\n", percent, left, what);
+        if (line != line_) say(line);
+        line_ = line;
     } else {
         constexpr int width = 24;
         const auto full = static_cast<std::size_t>(std::lround(fraction * width));

@@ -9,14 +9,15 @@ namespace gib {
 
 class ProgressLine {
 public:
-    /// `terminal`: whether to draw a bar; if not given, whether stderr is a terminal.
-    explicit ProgressLine(std::optional<bool> terminal = std::nullopt);
+    /// `terminal`: whether to draw a bar; if not given, whether stderr is a terminal. `seconds`: the least time between two
+    /// updates; if not given, a tenth of a second on a terminal and ten seconds elsewhere.
+    explicit ProgressLine(std::optional<bool> terminal = std::nullopt, std::optional<double> seconds = std::nullopt);
     ~ProgressLine();
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
     /// Shows the share of the work that is done, in [0, 1], the seconds left, if they are known, and `what` is being
-    /// done. A terminal shows at most ten updates a second; otherwise there is one in ten seconds.
+    /// done. Where no bar is drawn, a line that is equal to the last one is left out.
     void update(double fraction, std::optional<double> seconds_left, const std::string& what);
     /// Prints a line that stays.
     void message(const std::string& text);
@@ -29,7 +30,9 @@ private:
     void clear();
 
     bool terminal_;
+    std::chrono::duration<double> wait_;
     bool drawn_ = false;
+    std::string line_;  ///< the last one that was printed
     std::optional<std::chrono::steady_clock::time_point> last_;
 };
 

@@ -152,10 +152,10 @@ public:
     /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;
-        stored.add("global", maps_.final_gather ? light_.map : maps_.global);
-        stored.add("caustic", maps_.caustic);
-        stored.add("volume", maps_.volume);
-        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
+        stored.add("global", maps_.final_gather ? light_.map : maps_.global, settings_.photons);
+        stored.add("caustic", maps_.caustic, settings_.caustic_photons);
+        stored.add("volume", maps_.volume, settings_.volume_photons);
+        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
         if (cache_)
             for (const IrradianceRecord& record : cache_->cache().records())
                 stored.records.push_back(

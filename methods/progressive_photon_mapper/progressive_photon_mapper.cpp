@@ -81,10 +81,10 @@ public:
 
     StoredLight stored_light() const override {
         StoredLight stored{.changes_with_passes = plan_.runs(step_eye_paths), .is_of_one_pass = true};
-        stored.add("global", maps_.global);
-        stored.add("caustic", maps_.caustic);
-        stored.add("volume", maps_.volume);
-        if (maps_.along_rays) stored.add("volume", maps_.along_rays->photons(), maps_.along_rays->unit());
+        stored.add("global", maps_.global, settings_.maps.photons);
+        stored.add("caustic", maps_.caustic, settings_.maps.caustic_photons);
+        stored.add("volume", maps_.volume, settings_.maps.volume_photons);
+        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
         return stored;
     }
 

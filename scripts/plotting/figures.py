@@ -31,6 +31,7 @@ HATCHES = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oooo
 REFERENCE_GREY = "#d4d4d4"
 LEFT, RIGHT, TOP, AXIS_TEXT, LINE = 0.52, 0.1, 0.08, 0.36, 0.13
 CHARACTER = 0.058  # mean width of a letter [inches]
+AS_TYPED = {"parse_math": False}  # of texts with labels, in which "$" is no sign of mathematics
 
 
 def line_style(index):
@@ -106,10 +107,14 @@ class Sheet:
 
     def save(self, form):
         handles, labels = zip(*self.handles)
-        self.figure.legend(handles, labels, loc="upper left", ncol=self.columns, frameon=False, borderaxespad=0,
-                           bbox_to_anchor=(0.1 / self.width, self.legend_height / self.height),
-                           title=self.heading or None, title_fontsize=7, alignment="left",
-                           handlelength=self.handle_length, labelspacing=0.3, columnspacing=1.2, borderpad=0.2)
+        # Labels are set afterwards, because a legend leaves out those that begin with "_".
+        legend = self.figure.legend(handles, [" "] * len(labels), loc="upper left", ncol=self.columns, frameon=False,
+                                    borderaxespad=0, bbox_to_anchor=(0.1 / self.width, self.legend_height / self.height),
+                                    title=self.heading or None, title_fontsize=7, alignment="left",
+                                    handlelength=self.handle_length, labelspacing=0.3, columnspacing=1.2, borderpad=0.2)
+        for text, label in zip(legend.get_texts(), labels):
+            text.set(text=label, **AS_TYPED)
+        legend.get_title().set(**AS_TYPED)
         return saved(self.figure, form)
 
 
@@ -213,7 +218,7 @@ def row_sheet(labels, handles, width):
     letters = int((width - 0.25) / CHARACTER)
     for row, label in enumerate(labels.values()):
         axes.text(0.012, row + 0.24, textwrap.shorten(label, letters, placeholder=" ..."), fontsize=7,
-                  transform=axes.get_yaxis_transform(), va="baseline", zorder=5)
+                  transform=axes.get_yaxis_transform(), va="baseline", zorder=5, **AS_TYPED)
     return sheet
 
 
@@ -285,7 +290,7 @@ def split_figure(rows, labels, width):
 
     looks = {"bias2": {"color": COLORS[2], "marker": "s"},
              "variance": {"color": COLORS[1], "marker": "o", "fillstyle": "none"}}
-    handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias$^2$"),
+    handles = [(Line2D([], [], linewidth=1, markersize=4, **looks["bias2"]), "bias²"),
                (Line2D([], [], linewidth=1, markersize=4, **looks["variance"]), "variance")]
     if any(row["bias2"] <= 0 for row in rows if "bias2" in parts(row)):
         limit = Line2D([], [], linestyle="none", marker="|", color=COLORS[2], markersize=5)

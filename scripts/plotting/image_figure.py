@@ -135,15 +135,18 @@ def image_sheet(images, crops, width):
             top -= size + GAP
         for line, text in enumerate(texts[number], 1):
             figure.text((left + column / 2) / width, (top + GAP - line * TEXT) / height, text, ha="center", fontsize=6,
-                        fontfamily="sans-serif")
+                        fontfamily="sans-serif", parse_math=False)
     return figure
 
 
-def caption(images, scene, seconds, escaped):
-    """A LaTeX figure that shows the PDF."""
+def caption(images, scene, seconds, formats, escaped):
+    """A LaTeX figure that shows the PDF, or else the PNG or the SVG; `formats`: those of the figure's files."""
+    form = min(formats, key=("pdf", "png", "svg").index)
+    command = r"\includesvg" if form == "svg" else r"\includegraphics"
     words = "; ".join(f"{image.name}: {image.detail}" for image in images[1:])
     return "\n".join([
-        r"\begin{figure}", r"  \centering", rf"  \includegraphics[width=\linewidth]{{images-{scene}.pdf}}",
+        f"% needs \\usepackage{{{'svg' if form == 'svg' else 'graphicx'}}}",
+        r"\begin{figure}", r"  \centering", rf"  {command}[width=\linewidth]{{images-{scene}.{form}}}",
         rf"  \caption{{{escaped(scene)} after {three_digits(seconds)}\,s: relative RMSE and time of one image. "
         rf"{escaped(words)}.}}",
         r"\end{figure}", ""])

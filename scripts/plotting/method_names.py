@@ -40,16 +40,21 @@ def one_label_a_method(results):
     """The results without the labels that the report leaves out, and with the names that it shows as `label`."""
     longest = rows_of_longest_runs(select(results.table, component="total"))
     kept = {(row["scene"], row["method"]) for row in longest}
-    spp = {}  # by the beginning of the name
-    for row in longest:
-        spp.setdefault(split_name(row)[0], set()).add(spp_of(row["method"]))
+
+    def spp_in(rows):  # by the beginning of the name
+        found = {}
+        for row in rows:
+            found.setdefault(split_name(row)[0], set()).add(spp_of(row["method"]))
+        return found
+    before, after = spp_in(select(results.table, component="total")), spp_in(longest)
 
     def named(row):
         if not row["label"]:  # of an older version
             return row
         begin, shown = split_name(row)
-        differs = len(spp.get(begin, ())) > 1
-        return {**row, "label": begin + "".join(text for text in shown if differs or not text.lstrip(", ").startswith("spp="))}
+        # Where no `spp` differed before, one in the name is not a setting that was appended: the label was given like that.
+        merged = len(before[begin]) > 1 and len(after.get(begin, ())) < 2
+        return {**row, "label": begin + "".join(text for text in shown if not (merged and text.lstrip(", ").startswith("spp=")))}
 
     table, curves, spectra, stages = ([row for row in rows if (row["scene"], row["method"]) in kept]
                                       for rows in (results.table, results.curves, results.spectra, results.stages))

@@ -82,20 +82,69 @@ class Module(unittest.TestCase):
         self.assertTrue(any(abs(number - layers[""][5, 3, 1]) < 1e-5 for number in numbers), pixel)
         self.assertIn("stderr", gibench.layers(os.path.join(self.folder, "images", "cornell-box-reference.exr")))
 
+    def written(self, name, values, channels, **window):
+        """The path of an image of these values, height x width x channels."""
+        path = os.path.join(self.parent.name, name)
+        spec = OpenImageIO.ImageSpec(values.shape[1], values.shape[0], len(channels), "float")
+        spec.channelnames = channels
+        for key, value in window.items():
+            setattr(spec, key, value)
+        file = OpenImageIO.ImageOutput.create(path)
+        self.assertTrue(file.open(path, spec), file.geterror())
+        self.assertTrue(file.write_image(numpy.asarray(values, dtype=numpy.float32)))
+        file.close()
+        return path
+
+    def layers_of(self, *channels):
+        """The layers of a pixel with the values 0, 1, 2, ..."""
+        values = numpy.tile(numpy.arange(len(channels), dtype=numpy.float32), (1, 2, 1))
+        return gibench.layers(self.written("channels.exr", values, channels))
+
+    def compare(self, *arguments):
+        return subprocess.run([PROGRAM, "compare", *arguments], capture_output=True, text=True, check=False)
+
     def test_layers_may_have_small_letters_or_luminance_alone(self):
-        def layers_of(*channels):
-            path = os.path.join(self.parent.name, "channels.exr")
-            spec = OpenImageIO.ImageSpec(2, 1, len(channels), "float")
-            spec.channelnames = channels
-            file = OpenImageIO.ImageOutput.create(path)
-            file.open(path, spec)
-            file.write_image(numpy.tile(numpy.arange(len(channels), dtype=numpy.float32), (1, 2, 1)))
-            file.close()
-            return gibench.layers(path)
-        self.assertEqual(layers_of("r", "g", "b")[""][0, 0].tolist(), [0, 1, 2])
-        self.assertEqual(layers_of("Z", "Y")[""][0, 0].tolist(), [1, 1, 1])
-        with self.assertRaisesRegex(OSError, "no layer of R, G, B or Y; its channels are: Z"):
-            layers_of("Z")
+        self.assertEqual(self.layers_of("r", "g", "b")[""][0, 0].tolist(), [0, 1, 2])
+        self.assertEqual(self.layers_of("Z", "Y")[""][0, 0].tolist(), [1, 1, 1])
+        only = self.layers_of("View.R", "View.G", "View.B")
+        self.assertEqual(only[""].tolist(), only["View"].tolist())
+        with self.assertRaisesRegex(OSError, "no layer of R, G, B or Y; its channels are: A, Z"):
+            self.layers_of("A", "Z")
+
+    def test_xyz_is_converted_as_compare_does(self):
+        values = numpy.random.default_rng(1).uniform(0.2, 1, (16, 16, 3)).astype(numpy.float32)
+        xyz = self.written("xyz.exr", values, ("X", "Y", "Z"))
+        rgb = self.written("rgb.exr", gibench.layers(xyz)[""], ("R", "G", "B"))
+        said = self.compare("--json", rgb, xyz)
+        self.assertLess(json.loads(said.stdout)["rel_rmse"], 1e-6, said.stderr)
+        self.assertEqual(list(self.layers_of("N.x", "N.y", "N.z", "R", "G", "B")), [""], "a normal is no colour")
+
+    def test_eight_bits_are_linear(self):
+        self.assertAlmostEqual(float(gibench.layers(self.written("half.png", numpy.full((1, 1, 3), 0.5), ("R", "G", "B")))[""][0, 0, 0]),
+                               0.2140, delta=0.002)
+
+    def test_overscan_is_left_out(self):
+        values = numpy.arange(6 * 4 * 3, dtype=numpy.float32).reshape(6, 4, 3)
+        path = self.written("overscan.exr", values, ("R", "G", "B"), x=-1, y=-2, full_x=0, full_y=0, full_width=2, full_height=3)
+        self.assertEqual(gibench.layers(path)[""].tolist(), values[2:5, 1:3].tolist())
+
+    def test_what_compare_refuses_is_refused(self):
+        values = numpy.random.default_rng(1).uniform(0.2, 1, (64, 64, 3)).astype(numpy.float32)
+        whole = self.written("whole.exr", values, ("R", "G", "B"))
+        cut = os.path.join(self.parent.name, "cut.exr")
+        with open(whole, "rb") as file, open(cut, "wb") as other:
+            content = file.read()
+            other.write(content[:len(content) // 2])
+        parts = os.path.join(self.parent.name, "parts.exr")
+        subprocess.run(["oiiotool", whole, whole, "--siappend", "-o", parts], check=True)
+        cropped = self.written("cropped.exr", values, ("R", "G", "B"), full_width=80, full_height=64)
+        chroma = self.written("chroma.exr", values, ("BY", "RY", "Y"))
+        half = self.written("half.exr", values, ("R", "G", "caustic.R"))
+        for path, message in ((cut, "damaged"), (parts, "several parts"), (cropped, "cropped"), (chroma, "no layer of R, G, B or Y"),
+                              (half, "the layer '' has channels G, R, but not all|the layer '' has channels R, G, but not all")):
+            self.assertEqual(self.compare(path, whole).returncode, 2, path)
+            with self.assertRaisesRegex(OSError, message):
+                gibench.layers(path)
 
     def test_plot_draws_the_images_with_crops(self):
         def plot(*options):
@@ -109,6 +158,7 @@ class Module(unittest.TestCase):
         self.assertGreater(len(numpy.unique(figure)), 20)
         with open(os.path.join(self.folder, "figures", "images-cornell-box.tex"), encoding="utf-8") as file:
             caption = file.read()
+        self.assertIn(r"\includegraphics[width=\linewidth]{images-cornell-box.png}", caption)
         # The image is one of seed 1: after the mean time of all seeds, it may be that of the first pass.
         errors = [row["rel_mse_corrected"] for row in gibench.table(self.folder, "curves.csv") if row["seed"] == 1]
         self.assertTrue(any(f"paths, 2 of them: {f'{100 * error ** 0.5:#.3g}'.rstrip('.')} \\%" in caption for error in errors),

@@ -301,15 +301,16 @@ class PartsTest(unittest.TestCase):
                     "external": external}
         table = [row("path spp=4", "path spp=4"), row("path spp=16", "path spp=16", passes="15 to 16"),
                  row("path spp=64", "path spp=64", seeds=1, passes="64"),
+                 row("m photons=10 spp=1", "map, 5 %, & more, photons=10, spp=1", passes="1"),
                  row("m photons=10 spp=4", "map, 5 %, & more, photons=10, spp=4"),
                  row("m photons=20 spp=4", "map, 5 %, & more, photons=20, spp=4"),
-                 row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
+                 row("path filter=nlm spp=4", "typed, spp=4"), row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
                  row("other spp=1", "other spp=1", external="yes"), row("other spp=2", "other spp=2", external="yes")]
         curves = [{"scene": "box", "method": each["method"]} for each in table]
         found = method_names.one_label_a_method(result_tables.Results(curves, table, [], [], []))
         self.assertEqual(result_tables.labels_of(found.table), {
             "path spp=16": "path", "m photons=10 spp=4": "map, 5 %, & more, photons=10",
-            "m photons=20 spp=4": "map, 5 %, & more, photons=20", "vcm k=1 spp=4": "vcm k=1 spp=4",
+            "m photons=20 spp=4": "map, 5 %, & more, photons=20", "path filter=nlm spp=4": "typed, spp=4", "vcm k=1 spp=4": "vcm k=1 spp=4",
             "vcm k=2 spp=9": "vcm k=2 spp=9", "other spp=1": "other spp=1", "other spp=2": "other spp=2"})
         self.assertEqual([each["method"] for each in found.curves], [each["method"] for each in found.table])
 
@@ -428,6 +429,62 @@ class SweepTest(unittest.TestCase):
         text = " ".join(Svg(os.path.join(self.folder, "figures", "error-box.svg")).text())
         self.assertIn("m photons=1000", text)
         self.assertNotIn("k=5", text)
+
+
+class TypedLabelsTest(unittest.TestCase):
+    LABELS = (r"_a $x_1$ \alpha 5%", r"b \$ {c}^2 #&~")
+
+    def setUp(self):
+        self.parent = tempfile.TemporaryDirectory()
+        self.addCleanup(self.parent.cleanup)
+
+    def test_labels_are_shown_as_typed(self):
+        lines = TABLE.splitlines(keepends=True)
+        at = result_tables.TABLE.index("label")
+
+        def labelled(line):
+            fields = line.split(",")
+            fields[at] = self.LABELS[METHODS.index(fields[1])]
+            return ",".join(fields)
+        folder = result_folder(self.parent.name, table=lines[0] + "".join(map(labelled, lines[1:])))
+        self.assertEqual(plot(folder, "--format", "svg").returncode, 0)
+        out = os.path.join(folder, "figures")
+        for kind, shown in (("error", self.LABELS), ("spectra", self.LABELS[:1]), ("stages", self.LABELS[:1]), ("split", self.LABELS)):
+            text = Svg(os.path.join(out, f"{kind}-box.svg")).text()
+            for label in shown:
+                self.assertIn(label, text, kind)
+        table = content(out)["table-box.tex"].decode()
+        self.assertIn(r"\texttt{\_a \$x\_1\$ \textbackslash{}alpha 5\%}", table)
+
+    def test_the_heading_of_a_sweep_is_shown_as_typed(self):
+        label = self.LABELS[0]
+        table = re.sub(r",m photons=(\d+),", lambda match: f',"{label}, photons={match[1]}",', SWEEP)
+        folder = result_folder(self.parent.name, table=table, bias_laws=LAWS)
+        self.assertEqual(plot(folder, "--format", "svg").returncode, 0)
+        text = " ".join(Svg(os.path.join(folder, "figures", "bias-photons-box.svg")).text())
+        self.assertIn(f"{label}, caustic", text)
+
+    def test_names_below_images_are_shown_as_typed(self):
+        from matplotlib import rc_context
+        import numpy
+        from plotting import figures, image_figure
+        with rc_context(figures.STYLE):
+            sheet = image_figure.image_sheet([image_figure.Shown(label, "5 %", numpy.ones((2, 2, 3))) for label in self.LABELS], [], 6)
+            path = os.path.join(self.parent.name, "images.svg")
+            with open(path, "wb") as file:
+                file.write(figures.saved(sheet, "svg"))
+        for label in self.LABELS:
+            self.assertIn(label, Svg(path).text())
+
+    def test_the_caption_shows_a_file_that_was_made(self):
+        from plotting import image_figure
+        images = [image_figure.Shown(name, "5 %", None) for name in ("reference", self.LABELS[0])]
+        for formats, command in ((["svg", "png", "pdf"], r"\includegraphics[width=\linewidth]{images-box.pdf}"),
+                                 (["svg", "png"], r"\includegraphics[width=\linewidth]{images-box.png}"),
+                                 (["svg"], r"\includesvg[width=\linewidth]{images-box.svg}")):
+            text = image_figure.caption(images, "box", 1, formats, latex.escaped)
+            self.assertIn(command, text)
+            self.assertIn(r"\_a \$x\_1\$ \textbackslash{}alpha 5\%: 5 \%", text)
 
 
 class ErrorTest(unittest.TestCase):

@@ -78,8 +78,7 @@ public:
     Scattered radiance(const MediumStretch& stretch, const EyePath& eye, RayQueries& rays,
                        std::vector<std::uint32_t>& found) const;
 
-    const std::vector<Photon>& photons() const { return walk_.photons; }
-    double unit() const { return walk_.unit; }
+    const PhotonWalkResult& walk() const { return walk_; }
 
     /// The place of light near the ray: its squared distance d2, and how far one sees from the ray towards it and the other
     /// way, at most the radius [scene units].

@@ -4,6 +4,7 @@
 
 #include "methods/parts/guiding/radiance_field.h"
 #include "methods/parts/photons/photon_map.h"
+#include "methods/parts/photons/photon_walk.h"
 
 #include <array>
 #include <cstdint>
@@ -16,6 +17,17 @@ struct StoredPhotons {
     std::string_view map;  ///< "global", "caustic" or "volume"
     double unit;           ///< meaning of a power of 1 [W]; in media of power over sigma_s [W x scene unit]
     std::vector<Photon> photons;
+    std::uint64_t emitted = 0;  ///< number of photons emitted for the map
+};
+
+/// The photon beams of a walk through media.
+struct StoredBeams {
+    struct Beam {
+        Vec3 from, to;
+        Color power;  ///< at its beginning [W]
+    };
+    std::vector<Beam> beams;
+    std::uint64_t emitted = 0;  ///< number of photons emitted for them
 };
 
 /// A record of an irradiance cache.
@@ -38,16 +50,20 @@ constexpr int depth_of_cells = 5;
 /// The light that a run stores after the passes so far: Run::stored_light().
 struct StoredLight {
     std::vector<StoredPhotons> photons = {};  ///< a map each; maps that are not made or are empty are left out
+    StoredBeams beams = {};
     std::vector<StoredRecord> records = {};
     StoredPatches patches = {};
     std::vector<RadianceField::Cell> cells = {};  ///< of a learned field, with shares of depth_of_cells
     bool changes_with_passes = false;  ///< a further pass stores other light: new photons, or a better solution
-    bool is_of_one_pass = false;       ///< the photons are those of the last pass alone
+    bool is_of_one_pass = false;       ///< photons and beams are those of the last pass alone
 
-    bool empty() const { return photons.empty() && records.empty() && patches.patches.empty() && cells.empty(); }
-    /// Adds the photons of a map, unless it is empty.
-    void add(std::string_view name, const PhotonMap& map);
-    void add(std::string_view name, const std::vector<Photon>& map, double unit);
+    bool empty() const {
+        return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty() && cells.empty();
+    }
+    /// Adds the photons of a map, unless it is empty; `emitted` were emitted for it.
+    void add(std::string_view name, const PhotonMap& map, std::uint64_t emitted);
+    /// Adds the photons of a walk in media, or its beams.
+    void add(const PhotonWalkResult& walk);
 };
 
 }  // namespace gib

@@ -365,23 +365,59 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
     for (Cell& cell : analysis.cells)
         cell = busy(cell, 0.005);
-    EXPECT_FALSE(busy_machine(analysis, "box", "gibench run 'e.toml'"));
+    EXPECT_FALSE(busy_machine(analysis, "gibench run 'e.toml'"));
     analysis.cells[1] = busy(analysis.cells[1], 0.5);
-    const auto warning = busy_machine(analysis, "box", "gibench run 'e.toml'");
+    const auto warning = busy_machine(analysis, "gibench run 'e.toml'");
     ASSERT_TRUE(warning);
     EXPECT_THAT(warning->sentence,
                 AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
     EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
     analysis.warnings.push_back(*warning);
     const std::string text = markdown_table(analysis);
-    EXPECT_LT(text.find("- box: Warning: the machine was busy"), text.find("## Each method")) << "before any number";
+    EXPECT_LT(text.find("- Warning: the machine was busy"), text.find("## Each method")) << "before any number";
+}
+
+TEST(BusyMachine, IsOneWarningForAllScenes) {
+    std::vector<Cell> cells = joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)});
+    for (std::size_t i = 0, count = cells.size(); i < count; ++i) {
+        cells[i] = busy(cells[i], 0.5);
+        cells.push_back(cells[i]);
+        cells.back().scene = "sky";
+    }
+    const auto warning = busy_machine(analysis_of(cells), "gibench run 'e.toml'");
+    ASSERT_TRUE(warning);
+    EXPECT_EQ(warning->scene, "");
+    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("box, path: threads waited"), HasSubstr("and 2 more")));
+    EXPECT_EQ(warning->command, "gibench run 'e.toml' --fresh");
+    Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
+    for (Cell& cell : analysis.cells)
+        cell = busy(cell, 0.5);
+    EXPECT_EQ(busy_machine(analysis, "gibench run 'e.toml'")->command, "gibench run 'e.toml' --only 'box' --fresh");
+}
+
+// After 16 passes each, the slow method has half of the error; after the fast one's time it has no image.
+TEST(EqualPasses, AreComparedWhereTimesAreNotEqualOrTooLong) {
+    Analysis analysis = analysis_of(joined({runs("fast", 4e-4, 0.01, 0.16), runs("slow", 1e-2, 1, 16)}));
+    const std::string head = "scenes = ['box.xml']\n", methods = "[[method]]\nname = 'path'\n",
+                      row = "| box | total | 16 | slow | 2.50 |  | fast: 2.00 |";
+    for (const std::string budget : {"", "[budget]\npasses = 16\n"}) {
+        analysis.index.experiment_text = head + budget + methods;
+        const std::string text = markdown_table(analysis);
+        EXPECT_THAT(text, HasSubstr(row));
+        EXPECT_THAT(text, AllOf(HasSubstr("## At equal passes"), Not(HasSubstr("## At equal time"))));
+    }
+    analysis.index.experiment_text = head + "[budget]\nseconds = 16\n" + methods;
+    EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("equal passes")));
+    for (Cell& cell : analysis.cells)
+        cell = busy(cell, 0.5);
+    EXPECT_THAT(markdown_table(analysis), HasSubstr(row));
 }
 
 TEST(BusyMachine, IsSeenBySeedsWhosePassesTakeLonger) {
     std::vector<Cell> cells = runs("path", 1e-2, 1, 8);
-    EXPECT_FALSE(busy_machine(analysis_of(cells), "box", "gibench run 'e.toml'"));
+    EXPECT_FALSE(busy_machine(analysis_of(cells), "gibench run 'e.toml'"));
     cells[2] = run_of("path", 1e-2, 1.6, 12.8, 0, 3);
-    EXPECT_THAT(busy_machine(analysis_of(cells), "box", "gibench run 'e.toml'")->sentence,
+    EXPECT_THAT(busy_machine(analysis_of(cells), "gibench run 'e.toml'")->sentence,
                 HasSubstr("a pass takes 1 s to 1.6 s, 8 passes"));
 }
 

@@ -59,6 +59,25 @@ TEST(ShortNames, AreThoseThatTheExperimentGives) {
         EXPECT_NE(analysis.row("box", with_short_names(analysis).label_of(row.method), Layer::total), nullptr);
 }
 
+TEST(ShortNames, ThatAreGivenHaveTheSettingsThatVaryBelowThemAlone) {
+    Analysis analysis = of({"path", "path filter=nlm spp=4", "vcm filter=none", "vcm filter=nlm", "metropolis"});
+    analysis.index.given_names = {
+        {"path filter=nlm spp=4", "paths, filtered"}, {"vcm filter=none", "merged"}, {"vcm filter=nlm", "merged"}};
+    EXPECT_EQ(short_names(analysis), Names({{"path", "path"},
+                                            {"path filter=nlm spp=4", "paths, filtered"},
+                                            {"vcm filter=none", "merged, filter=none"},
+                                            {"vcm filter=nlm", "merged, filter=nlm"},
+                                            {"metropolis", "metropolis"}}));
+}
+
+TEST(ShortNames, ThatAreGivenMayBeThoseOfOtherMethods) {
+    Analysis analysis = of({"path filter=nlm", "path spp=4", "vcm radius=0.1"});
+    analysis.index.given_names = {{"path filter=nlm", "path"}, {"vcm radius=0.1", "path spp=4"}};
+    EXPECT_EQ(short_names(analysis),
+              Names({{"path filter=nlm", "path"}, {"path spp=4", "path spp=4"}, {"vcm radius=0.1", "vcm radius=0.1"}}))
+        << "no two names are equal";
+}
+
 // The column `method` is a key: other programs and the next run find rows by it.
 TEST(ShortNames, LeaveTheKeysOfTheTablesAlone) {
     Analysis analysis = of({"path spp=64"});

@@ -5,6 +5,7 @@
 #include "experiments/photons/stored_light.h"
 #include "experiments/photons/surfaces.h"
 #include "experiments/text/html.h"
+#include "methods/parts/photons/photon_walk.h"
 #include "tests/support/page_reader.h"
 #include "tests/support/run_fixtures.h"
 
@@ -72,6 +73,40 @@ TEST(PhotonsPage, HoldsThePhotonsOfTheRun) {
             ++at;
         }
     }
+}
+
+TEST(PhotonsPage, HoldsTheBeamsOfTheRun) {
+    const auto fog = shipped_scene("fog.xml", {{}, std::pair{4, 4}});
+    const std::string label = "photon_mapper photons=3000 volume=beams volume_photons=200 projection=off";
+    const CollectedLight light = light_of(fog, label, 50, 4);
+    const auto walk = trace_photons(*fog.scene, PhotonMapKind::beams, 200, fog.max_edges, 1);
+    EXPECT_EQ(light.stored_beams, walk.beams.size());
+    const std::string page = photons_page({fog, label, 1, light});
+    const json facts = json::parse(element_of_page(page, "facts"));
+    EXPECT_EQ(facts["beams"], (json{{"stored", walk.beams.size()}, {"shown", 50}, {"emitted", 200}}));
+    EXPECT_EQ(facts["maps"][0]["emitted"], 3000);
+    const auto ends = array<float>(page, "beam-ends"), powers = array<float>(page, "beam-powers");
+    ASSERT_EQ(ends.size(), 6u * 50);
+    ASSERT_EQ(powers.size(), 3u * 50);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < walk.beams.size(); ++i) {
+        if (!is_at_step(i, walk.beams.size(), 50)) continue;
+        EXPECT_EQ(ends[6 * at + 1], walk.beams[i].p.y());
+        EXPECT_EQ(ends[6 * at + 5], walk.beams[i].end().z());
+        EXPECT_FLOAT_EQ(powers[3 * at], static_cast<float>(walk.unit) * walk.beams[i].power()[0]);
+        ++at;
+    }
+}
+
+// Photons and beams of three passes are emitted, and the beams of the last one are shown.
+TEST(PhotonsPage, CountsWhatWasEmittedForBeamsOfAllPasses) {
+    const auto fog = shipped_scene("fog.xml", {{}, std::pair{4, 4}});
+    const CollectedLight light = light_of(
+        fog, "progressive_photon_mapper photons=300 volume=beams volume_photons=70 volume_radius=0.1", 1000, 3);
+    EXPECT_EQ(light.beams.emitted, 210u);
+    EXPECT_EQ(light.photons[0].emitted, 900u);
+    EXPECT_EQ(light.beams.beams.size(), light.stored_beams);
+    EXPECT_GT(light.stored_beams, 0u);
 }
 
 TEST(PhotonsPage, HoldsTheCellsOfAField) {

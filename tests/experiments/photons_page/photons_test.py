@@ -26,6 +26,7 @@ PAGES = {
     "box": ("cornell-box", "--method", "photon_mapper photons=4000 gather=16 cache=on accuracy=0.3"),
     "glass": ("glass-sphere", "--method", "photon_mapper photons=20000", "--photons-shown", "3000"),
     "fog": ("fog", "--method", "photon_mapper photons=4000"),
+    "beams": ("fog", "--method", "photon_mapper photons=4000 volume=beams"),
     "passes": ("cornell-box", "--method", "progressive_photon_mapper photons=1000 radius=0.1", "--passes", "3"),
     "rainbow": ("rainbow", "--method", "photon_mapper photons=3000"),
     "radiosity": ("cornell-box", "--method", "radiosity patch=0.1"),
@@ -172,6 +173,33 @@ class PhotonTest(PhotonsCase):
         self.check("caustic map")
         self.assertEqual(self.visible(), page.maps.count(1))
         self.assertGreater(self.drawn(), 0)
+
+    def test_beams_are_lines_that_can_be_left_out(self):
+        page = self.open("beams")
+        beams = page.facts["beams"]
+        self.assertGreater(beams["shown"], 100)
+        self.assertEqual(len(page.array("beam-ends", "6f")), beams["shown"])
+        self.assertIn(f"{beams['shown']:,} beams", self.shown())
+        self.assertIn(f"all {beams['stored']:,} on this page", self.find("#beams").text)
+        self.choose("Draw them", "hidden")
+        for one in page.facts["maps"]:
+            self.check(f"{one['name']} map")
+        self.assertGreater(self.drawn(), 1000)
+        self.assertEqual(int(self.stage.get_attribute("data-calls")), 1)
+        self.check("lines")
+        self.assertEqual(self.drawn(), 0)
+        self.assertIn("no beams", self.shown())
+
+    def test_emitted_photons_are_told_by_what_they_are_for(self):
+        page = self.open("beams")
+        text = self.find("#maps").text
+        emitted = int(re.search(r"([\d,]+) photons emitted: ", text)[1].replace(",", ""))
+        parts = re.search(r"photons emitted: (.*?)\. Powers", text)[1].split(", ")
+        counts = {what: int(count.replace(",", "")) for count, what in (part.split(" ", 1) for part in parts)}
+        self.assertEqual(sum(counts.values()), emitted)
+        self.assertEqual(counts["for the global map"], 4000)
+        self.assertEqual(counts["for the beams"], 400)
+        self.assertEqual(emitted, page.facts["estimates"]["emitted"])
 
     def test_sliders_of_bounces_filter(self):
         page = self.open("fog")

@@ -3,6 +3,7 @@
 #include "experiments/plan/experiment_file.h"
 
 #include "experiments/plan/experiment_keys.h"
+#include "experiments/system/shipped_files.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/input_error.h"
 
@@ -37,6 +38,23 @@ TEST_F(ExperimentFileTest, LabelsKeepTheOrderAndTheNumbersAsTyped) {
                 ElementsAre("photon_mapper spp=4 photons=1e4 k=50 radius=0.10"));
 }
 
+TEST_F(ExperimentFileTest, ScenesAreFilesOrNamesOfScenesThatComeWithTheProgram) {
+    const auto scenes = [&](const std::string& names) {
+        return parse("scenes = [" + names + "]\n[[method]]\nname = 'path'\n").scenes;
+    };
+    const ExperimentScene box = scenes("'cornell-box', 'a.xml'").front();
+    EXPECT_EQ(box.path, scene_file("cornell-box"));
+    EXPECT_EQ(box.name, "cornell-box");
+    folder_.write("cornell-box", "<scene/>");
+    EXPECT_EQ(scenes("'cornell-box'").front().path, folder_ / "cornell-box") << "files come first";
+    const std::string rest = "[[method]]\nname = 'path'\n";
+    EXPECT_THAT(error_of("scenes = ['cornel-box']\n" + rest),
+                AllOf(HasSubstr("e.toml:1:11: there is no scene file"), HasSubstr("did you mean 'cornell-box'?")));
+    EXPECT_THAT(error_of("scenes = ['x/cornell-box']\n" + rest), HasSubstr("no scene of that name"));
+    EXPECT_THAT(error_of("scenes = ['cornell-box', 'cornell-box']\n" + rest),
+                HasSubstr("two scenes are named 'cornell-box'"));
+}
+
 TEST_F(ExperimentFileTest, AMethodTakesANameForItsRows) {
     const Experiment e = parse("scenes = ['a.xml']\n[[method]]\nname = 'path'\nlabel = 'paths'\nspp = [4, 8]\n");
     EXPECT_THAT(texts_of(e), ElementsAre("path spp=4", "path spp=8")) << "keys of cells do not depend on it";
@@ -46,6 +64,27 @@ TEST_F(ExperimentFileTest, AMethodTakesANameForItsRows) {
                 HasSubstr("two methods have the label 'x'"));
     EXPECT_THAT(error_of(head + "label = ''\n"), HasSubstr("'label' needs a text"));
     EXPECT_THAT(error_of(head + "label = 3\n"), HasSubstr("label"));
+}
+
+TEST_F(ExperimentFileTest, AFilterHasTheNameOfItsProgram) {
+    for (const auto& [command, name] : {std::pair("./tools/denoise.sh", "denoise.sh"),
+                                        {"'/opt/my tools/denoise.sh'", "denoise.sh"},
+                                        {"\\\"/opt/my tools/denoise.sh\\\"", "denoise.sh"},
+                                        {"/opt/my\\\\ tools/denoise.sh", "denoise.sh"},
+                                        {"'./my denoiser'", "my_denoiser"}})
+        EXPECT_THAT(labels("[[method]]\nname = 'path'\nfilter = \"" + std::string(command) + " {image} {out}\"\n"),
+                    ElementsAre("path filter=" + std::string(name)))
+            << command;
+}
+
+TEST_F(ExperimentFileTest, AKeyOfTheWholeFileInATableIsToldItsPlace) {
+    const std::string head = "scenes = ['a.xml']\n[[method]]\nname = 'path'\n", place = "above the first [[method]]";
+    EXPECT_THAT(error_of(head + "resolution = [4, 4]\n"), AllOf(HasSubstr("e.toml:4:1: "), HasSubstr(place)));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[[method]]\nname = 'x'\ncommand = 'x {scene} {out}'\nseeds = 2\n"),
+                HasSubstr(place));
+    EXPECT_THAT(error_of("scenes = ['a.xml']\n[budget]\npasses = 4\nseeds = 2\n"), HasSubstr(place));
+    EXPECT_THAT(error_of(head + "spq = 4\n"), AllOf(HasSubstr("did you mean 'spp'?"), Not(HasSubstr(place))));
+    EXPECT_THAT(error_of("sedes = 2\n" + head), HasSubstr("did you mean 'seeds'?"));
 }
 
 TEST_F(ExperimentFileTest, WrongWordsAreMetWithTheRightOnes) {
@@ -59,7 +98,7 @@ TEST_F(ExperimentFileTest, WrongWordsAreMetWithTheRightOnes) {
     EXPECT_THAT(error_of("scenes = ['a.xml']\n[reference]\ntagret = '1%'\n[[method]]\nname = 'path'\n"),
                 HasSubstr("did you mean 'target'?"));
     EXPECT_THAT(error_of("scene = ['a.xml']\n"), HasSubstr("did you mean 'scenes'? There are: "));
-    EXPECT_THAT(error_of("scenes = ['aa.xml']\n"), HasSubstr("/aa.xml'; did you mean 'a.xml'?"));
+    EXPECT_THAT(error_of("scenes = ['aa.xml']\n"), AllOf(HasSubstr("/aa.xml'"), HasSubstr("did you mean 'a.xml'?")));
 }
 
 TEST_F(ExperimentFileTest, ListsMakeSweepsAndGrids) {

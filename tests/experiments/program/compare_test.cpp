@@ -1,6 +1,7 @@
 // `gibench compare`: its numbers as JSON and as text, and its errors.
 #include "experiments/program/compare.h"
 
+#include "common/color/srgb.h"
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/images/image_file.h"
@@ -253,6 +254,50 @@ TEST(CompareWords, SayWhichWayUpItFits) {
         std::swap(swapped.rgb[3 * p], swapped.rgb[3 * p + 2]);
     EXPECT_THAT(sentence_about(down), HasSubstr("fits better upside down"));
     EXPECT_THAT(sentence_about(swapped), HasSubstr("fits better with red and blue swapped"));
+}
+
+TEST(CompareWords, SayThatTheSrgbCurveWasApplied) {
+    for (const float exposure : {0.05f, 0.2f, 1.f, 3.f}) {
+        const auto curve = [&](float v) { return srgb_from_linear(exposure * v); };
+        const std::string sentence = sentence_about(changed(picture(2), curve));
+        const std::string head = "the sRGB curve of displays was applied, which radiance does not have; without it, ";
+        EXPECT_THAT(sentence, AllOf(StartsWith(head), HasSubstr("relative RMSE 7."))) << exposure;
+        if (exposure > 0.2f) continue;
+        const Image clipped = changed(picture(2), [&](float v) { return std::min(curve(v), 1.f); });
+        EXPECT_THAT(sentence_about(clipped), StartsWith(head)) << exposure;
+        const Image bytes = changed(clipped, [](float v) { return std::round(255 * v) / 255; });
+        EXPECT_THAT(sentence_about(bytes), StartsWith(head)) << exposure;
+    }
+    EXPECT_THAT(sentence_about(changed(picture(2), [](float v) { return srgb_from_linear(3 * v); })),
+                HasSubstr("without it, 3.00 times too bright; scaled, relative RMSE 7."));
+    EXPECT_THAT(sentence_about(changed(picture(2), [](float v) { return std::pow(v / 20, 1 / 2.2f); })),
+                StartsWith("the sRGB curve"));
+    Image lamp = picture(2), reference = picture(1);
+    for (std::size_t p = 0; p < 20; ++p)
+        for (Image* image : {&lamp, &reference})
+            image->set(p, Color::Constant(40));
+    EXPECT_EQ(doubts_about_image(changed(lamp, srgb_from_linear), reference), "")
+        << "a lamp is not clipped by the curve";
+}
+
+TEST(CompareWords, SeeNoSrgbCurveInRadiance) {
+    const Image reference = picture(1);
+    for (const auto& change : std::vector<std::function<float(float)>>{
+             [](float v) { return v; }, [](float v) { return 0.01f * v; }, [](float v) { return std::min(v, 1.f); },
+             [](float v) { return std::min(v, 5.f); }, [](float v) { return v + 2; }, [](float v) { return v + 20; },
+             [](float) { return 0.5f; }, [](float) { return 0.f; }})
+        EXPECT_FALSE(has_srgb_curve(changed(picture(2), change), reference));
+    EXPECT_FALSE(has_srgb_curve(constant_image(0.3f, 64, 48), constant_image(0.2f, 64, 48)));
+    Image down = picture(2);
+    std::ranges::reverse(down.rgb);
+    EXPECT_FALSE(has_srgb_curve(down, reference));
+}
+
+TEST(CompareWords, CallABlackImageBlack) {
+    const Image black = changed(picture(2), [](float) { return 0.f; });
+    EXPECT_THAT(sentence_about(black), StartsWith("black; relative RMSE "));
+    EXPECT_EQ(doubts_about_image(black, picture(1)), "it is black");
+    EXPECT_EQ(doubts_about_image(black, black), "");
 }
 
 TEST(CompareWords, WarnOfImagesThatCannotHoldRadiance) {

@@ -226,6 +226,28 @@ TEST(CompareRuns, ABusyMachineTellsNothing) {
     }
 }
 
+TEST(CompareRuns, OnABusyMachineErrorsAreComparedAtEqualPasses) {
+    std::mt19937_64 random(13);
+    const Analysis before = simulated_run(5, random);
+    Analysis after = simulated_run(5, random, 2, 4);
+    for (Cell& cell : after.cells)
+        if (cell.method == "a") {
+            cell.processor_seconds = 10;
+            cell.waiting_seconds = 2;
+        }
+    const RunComparison comparison = compare_runs(before, after);
+    std::vector<Change> at_passes = comparison.changes;
+    std::erase_if(at_passes, [](const Change& change) { return change.of != Change::Of::error_at_passes; });
+    ASSERT_EQ(at_passes.size(), 1u) << "seconds of the others compare";
+    EXPECT_EQ(at_passes[0].method, "a");
+    EXPECT_EQ(at_passes[0].at, 64);
+    EXPECT_NEAR(at_passes[0].factor.value, 2, 0.2) << "the root of 4, although a pass takes twice as long";
+    EXPECT_EQ(at_passes[0].verdict, ChangeVerdict::worse);
+    EXPECT_EQ(count_of(comparison, ChangeVerdict::worse), 1u);
+    EXPECT_THAT(change_text(comparison), HasSubstr("  error, 64 passes "));
+    EXPECT_THAT(change_table(comparison).text(), HasSubstr(",error_at_passes,64,"));
+}
+
 TEST(CompareRuns, OneNumberIsSingular) {
     const RunComparison one{.changes = {{.scene = "box", .method = "a"}}, .remarks = {}};
     EXPECT_THAT(change_text(one), HasSubstr("\n1 number: 0 better"));

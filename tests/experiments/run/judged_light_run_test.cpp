@@ -162,22 +162,21 @@ protected:
 
 TEST_F(UnjudgedLight, HasNoCheapestMethod) {
     EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-                AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("| cheapest")),
+                AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("(cheapest")),
                       Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
         << "neither the reference nor a method has the caustic";
     EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
 }
 
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
-    EXPECT_THAT(
-        table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
-        AllOf(HasSubstr("the reference does not judge"), HasSubstr("not judged"), Not(HasSubstr("| cheapest"))));
+    EXPECT_THAT(table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
+                AllOf(HasSubstr("the reference does not judge"), HasSubstr("not judged"), Not(HasSubstr("(cheapest"))));
 }
 
 TEST_F(UnjudgedLight, KeepsAMethodThatLeavesItOutFromWinning) {
     EXPECT_THAT(table("auto", "[[method]]\nname = 'path'\nspp = 4096\n[[method]]\nname = 'vcm'\nspp = 16\n"),
                 AllOf(HasSubstr("light of caustic"), Not(HasSubstr("the reference does not judge")),
-                      Not(ContainsRegex("[|] path [|][^\n]*[|] cheapest"))));
+                      Not(HasSubstr("| path (cheapest"))));
 }
 
 }  // namespace

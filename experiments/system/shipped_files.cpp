@@ -1,10 +1,10 @@
-#include "experiments/program/named_files.h"
+#include "experiments/system/shipped_files.h"
 
+#include "common/core/error.h"
 #include "common/core/nearest_word.h"
-#include "common/core/reject.h"
-#include "common/images/image_file.h"
-#include "experiments/metrics/reference_image.h"
 #include "experiments/system/build_info.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -25,12 +25,17 @@ std::vector<std::string> names_in(const fs::path& folder, std::string_view exten
     return names;
 }
 
-/// `kind`: scene or experiment.
-std::string file_or_shipped(const std::string& path_or_name, std::string_view kind, const std::string& extension) {
-    if (fs::exists(path_or_name)) return path_or_name;
+/// The file of this name in the folder of a kind, scene or experiment; empty if there is none.
+std::string shipped_file(const std::string& name, std::string_view kind, const std::string& extension) {
     const fs::path folder(shipped_folder(fmt::format("{}s", kind)));
     const auto names = names_in(folder, extension);
-    if (std::ranges::find(names, path_or_name) != names.end()) return (folder / (path_or_name + extension)).string();
+    return std::ranges::find(names, name) == names.end() ? "" : (folder / (name + extension)).string();
+}
+
+std::string file_or_shipped(const std::string& path_or_name, std::string_view kind, const std::string& extension) {
+    if (fs::exists(path_or_name)) return path_or_name;
+    if (const std::string file = shipped_file(path_or_name, kind, extension); !file.empty()) return file;
+    const auto names = names_in(shipped_folder(fmt::format("{}s", kind)), extension);
     const fs::path path(path_or_name);
     std::string nearest = did_you_mean(path.stem().string(), names);
     if (nearest.empty() && path.extension() == extension)
@@ -46,30 +51,12 @@ std::vector<std::string> shipped_scene_names() { return names_in(shipped_folder(
 
 std::vector<std::string> shipped_experiment_names() { return names_in(shipped_folder("experiments"), ".toml"); }
 
+std::string shipped_scene(const std::string& name) { return shipped_file(name, "scene", ".xml"); }
+
 std::string scene_file(const std::string& path_or_name) { return file_or_shipped(path_or_name, "scene", ".xml"); }
 
 std::string experiment_file(const std::string& path_or_name) {
     return file_or_shipped(path_or_name, "experiment", ".toml");
-}
-
-void require_no_reference(const std::string& path) {
-    const auto image = exr_attributes(path);
-    if (image && !attribute_in(*image, "reference_key").empty())
-        reject({path}, "this is a reference (of '{}' by '{}'), which `render` does not replace; give another -o",
-               attribute_in(*image, "scene"), attribute_in(*image, "method"));
-}
-
-void require_own_reference(const std::string& path, const std::string& key) {
-    const auto image = exr_attributes(path);
-    if (!image) return;
-    const auto replace = "give another -o, or --replace";
-    if (attribute_in(*image, "reference_key").empty())
-        reject({path}, "this is an image, but no reference, and would be lost; {}", replace);
-    if (attribute_in(*image, "reference_key") != key)
-        reject(
-            {path},
-            "this is the reference of another scene, scene file, method or seed ('{}' by '{}'), and would be lost; {}",
-            attribute_in(*image, "scene"), attribute_in(*image, "method"), replace);
 }
 
 }  // namespace gib
