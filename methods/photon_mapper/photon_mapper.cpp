@@ -173,8 +173,8 @@ private:
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings_.volume_photons, aim, seed_);
             return;
         }
-        const double radius = tracing_.radius_along_rays(settings_, walk_, false, aim, seed_);
-        maps_.along_rays = tracing_.light_along_rays(settings_, radius, false, aim, seed_);
+        const auto radius = static_cast<float>(tracing_.radius_along_rays(settings_, walk_, false, aim, seed_));
+        maps_.along_rays = tracing_.light_along_rays(settings_, {radius, radius}, false, aim, seed_);
     }
 
     void fill_shadow_map() {

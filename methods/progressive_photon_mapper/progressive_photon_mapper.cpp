@@ -109,10 +109,10 @@ private:
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
             return;
         }
-        const bool beams = s.volume_look_up == VolumeLookUp::beams;
-        const double radius = first_.volume * (beams ? shrinking_.along_beams(passes) : shrinking_.on_surfaces(passes));
+        const BlurRadii radii{.disc = static_cast<float>(first_.volume * shrinking_.on_surfaces(passes)),
+                              .ribbon = static_cast<float>(first_.volume * shrinking_.along_beams(passes))};
         maps_.along_rays.reset();
-        maps_.along_rays = tracing_.light_along_rays(s, radius, true, aims_.global.get(), seed);
+        maps_.along_rays = tracing_.light_along_rays(s, radii, true, aims_.global.get(), seed);
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].

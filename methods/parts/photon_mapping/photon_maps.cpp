@@ -127,16 +127,15 @@ PhotonMap PhotonTracing::map_of(const PhotonWalkResult& walk) {
     return PhotonMap(walk.photons, walk.unit);
 }
 
-LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
-                                               const ProjectionMap* aim, std::uint64_t seed) {
+LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii,
+                                               bool estimates_bias, const ProjectionMap* aim, std::uint64_t seed) {
     const bool beams = settings.volume_look_up == VolumeLookUp::beams;
     PhotonWalkResult walk =
         trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
     const auto timer = stages_.time("tree build");
     constexpr int resolution = 32;
     if (!regions_) regions_ = std::make_unique<FlatRegions>(scene_, resolution);
-    return LightAlongRays(std::move(walk), settings.volume_look_up, settings.kernel, static_cast<float>(radius),
-                          *regions_, estimates_bias);
+    return LightAlongRays(std::move(walk), settings.kernel, radii, *regions_, estimates_bias);
 }
 
 double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
@@ -146,7 +145,7 @@ double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const
     pilot.volume_photons = pilot_paths(settings.volume_photons);
     const float longest = longest_radius_along_rays(settings.volume_look_up, pilot.volume_photons, scene_.diagonal());
     constexpr std::uint64_t pilot_key = 0x72;  // keeps these photons apart from those of the maps
-    const LightAlongRays light = light_along_rays(pilot, double{longest}, false, aim, combine_keys(seed, pilot_key));
+    const LightAlongRays light = light_along_rays(pilot, {longest, longest}, false, aim, combine_keys(seed, pilot_key));
     const auto timer = stages_.time("volume radius");
     return gib::radius_along_rays(scene_, walk,
                                   {.light = light,

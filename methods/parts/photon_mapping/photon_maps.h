@@ -76,8 +76,8 @@ public:
     PhotonMap traced_map(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
         return map_of(trace(kind, count, aim, seed));
     }
-    /// The light in media of `settings.volume_photons` photons, for look-ups along rays with this radius [scene units].
-    LightAlongRays light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
+    /// The light in media of `settings.volume_photons` photons, for look-ups along rays with these radii.
+    LightAlongRays light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii, bool estimates_bias,
                                     const ProjectionMap* aim, std::uint64_t seed);
     /// The radius of these look-ups [scene units]: that of the settings, or else the one that radius_along_rays() finds for
     /// one map, or for the first of many whose radius `shrinks`.
