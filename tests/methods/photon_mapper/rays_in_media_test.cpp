@@ -79,16 +79,16 @@ TEST(PhotonBeams, ThatRunAlongTheViewScatterNoMoreThanPhotons) {
                 const double expected = scattered_by_layer(tangent, along);
                 const std::string label = method + " volume=beams volume_photons=1e4 volume_radius=0.02";
                 Moments means, pixels;
-                for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+                for (std::uint64_t seed = 1; seed <= 4; ++seed) {
                     const Image image = *render(scene, label, 2, seed)[Component::volume];
                     means.add(mean_of(image)[1]);
                     for (std::size_t i = 0; i < image.pixels(); ++i)
                         pixels.add(double{image.at(i)[1]});
                 }
                 const std::string what = fmt::format("{}, tangent {}, along {}", method, tangent, along);
-                EXPECT_LT(means.standard_error(), 0.04 * expected) << what << ": the test would not see an error";
+                EXPECT_LT(means.standard_error(), 0.05 * expected) << what << ": the test would not see an error";
                 EXPECT_NEAR(means.mean(), expected, sigmas * means.standard_error()) << what;
-                EXPECT_LT(pixels.standard_error() * std::sqrt(6. * 64), 0.7 * expected) << what;
+                EXPECT_LT(pixels.standard_error() * std::sqrt(4. * 64), 0.7 * expected) << what;
             }
 }
 
