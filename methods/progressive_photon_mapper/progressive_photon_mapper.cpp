@@ -11,7 +11,8 @@
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
-// Fails: never; a map without photons near a point gives 0 there.
+// Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
+// found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/parts/density/biased_film.h"
 #include "methods/parts/density/first_radius.h"
 #include "methods/parts/density/progressive_parameters.h"
@@ -109,10 +110,10 @@ private:
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, s.volume_photons, aims_.global.get(), seed);
             return;
         }
-        const bool beams = s.volume_look_up == VolumeLookUp::beams;
-        const double radius = first_.volume * (beams ? shrinking_.along_beams(passes) : shrinking_.on_surfaces(passes));
+        const BlurRadii radii{.disc = static_cast<float>(first_.volume * shrinking_.on_surfaces(passes)),
+                              .ribbon = static_cast<float>(first_.volume * shrinking_.along_beams(passes))};
         maps_.along_rays.reset();
-        maps_.along_rays = tracing_.light_along_rays(s, radius, true, aims_.global.get(), seed);
+        maps_.along_rays = tracing_.light_along_rays(s, radii, true, aims_.global.get(), seed);
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
@@ -197,6 +198,7 @@ public:
     Plan plan(const Scene& scene) const override {
         const PhotonMapSettings maps = settings_for(scene).maps;
         Plan plan = described_plan(scene, find_method("progressive_photon_mapper"));
+        leave_out_pencils(plan, scene, maps);
         add_eye_paths(plan, scene, maps.max_edges);
         add_light_sampling(plan, maps.max_edges);
         add_specular_paths(plan);

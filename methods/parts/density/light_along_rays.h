@@ -19,7 +19,19 @@
 //
 //     L_m = sum of T(t_i) sigma_s(x_t) p(-w, wi) Phi_i(s_i) K1(d_i) / sin theta_i,        K1 [1/m]: line_kernel_weight(),
 //
-// where t_i and s_i are the places at which the two lines come closest and d_i is their distance.
+// where t_i and s_i are the places at which the two lines come closest and d_i is their distance. The ray meets such a ribbon
+// in proportion to r sin theta, so the relative variance of this estimate grows as 1 / (r sin theta), and it is 0 where light
+// runs along the ray. A beam of length l and a stretch of length D that diverge by less than r along the shorter of the two,
+//
+//     min(l, D) sin theta < r,
+//
+// are therefore estimated by a point of the beam instead (Jarosz et al. 2011, point x beam, 2D blur; for the variances of both
+// see Krivanek et al. 2014, "Unifying Points, Beams, and Paths in Volumetric Light Transport Simulation"). The point lies at the
+// distance s from the beam's beginning with the density 1 / l for 0 < s < l. As the beam ends by its transmittance, points lie
+// where photons are: it has the value F_i = l Phi_i(s) [W m], with the formula above. This estimate does not depend on theta: the
+// relative variance is at most that of a disc of radius r across the light. As the condition depends on the directions and
+// the lengths alone, not on the distance, every pair of a beam and a stretch counts in exactly one of the two sums, and both
+// converge to the same light.
 //
 // Both blur L at the ray across it, along the line that the ray, the photon or beam, and their shortest distance give. Where
 // surfaces or the edge of the medium bound this line to the lengths a and b on its two sides, light beyond does not count, and
@@ -27,8 +39,8 @@
 // what it is, in corners as well as in the open.
 //
 // Bias: that of the kernel alone, proportional to r^2 where fluence is smooth across the ray, and to r times the slope of
-// fluence within r of a wall. The variance of N paths falls as 1 / (N r^2) for points, 1 / (N r) for beams. That of beams
-// nearly parallel to the ray, 1 / sin theta, has no finite bound; but few are.
+// fluence within r of a wall. The variance of N paths falls as 1 / (N r^2) for points, also those of beams along the ray, and as
+// 1 / (N r) for other beams. The radii of discs and of ribbons are therefore two (shrinking_radius.h).
 
 #include "common/media/medium.h"
 #include "common/shapes/near_ray_tree.h"
@@ -66,25 +78,33 @@ double line_kernel_weight(Kernel kernel, double d2, double r);
 /// The share of the kernel's integral from -s r to s r, 0 <= s <= 1.
 double line_kernel_mass(Kernel kernel, double s);
 
+/// The radii over which light is spread [scene units].
+struct BlurRadii {
+    float disc;    ///< of photons, and of beams along the ray
+    float ribbon;  ///< of other beams
+};
+
 class LightAlongRays {
 public:
     LightAlongRays() = default;
-    /// The light of the walk's beams, if there are any, or else of its photons in media. `radius` [scene units].
+    /// The light of the walk's beams, if there are any, or else of its photons in media.
     /// `regions`, which must outlive this, tell where no surface is near.
-    LightAlongRays(PhotonWalkResult walk, VolumeLookUp look_up, Kernel kernel, float radius, const FlatRegions& regions,
+    LightAlongRays(PhotonWalkResult walk, Kernel kernel, const BlurRadii& radii, const FlatRegions& regions,
                    bool estimates_bias = false);
 
-    /// Radiance that the stretch scatters to its start [W/(sr m^2)], with its bias if that is asked for.
+    /// Radiance that the stretch scatters to its start [W/(sr m^2)], with its bias if that is asked for. `found` is scratch
+    /// memory.
     Scattered radiance(const MediumStretch& stretch, const EyePath& eye, RayQueries& rays,
                        std::vector<std::uint32_t>& found) const;
 
     const PhotonWalkResult& walk() const { return walk_; }
 
     /// The place of light near the ray: its squared distance d2, and how far one sees from the ray towards it and the other
-    /// way, at most the radius [scene units].
+    /// way, at most the radius [scene units]; whether it is spread over a disc or over a ribbon.
     struct Nearby {
         double d2;
         float ahead, behind;
+        bool on_disc;
     };
     /// The kernel's weight there for the radius r, at most that of the look-ups: K1 or K2, over the kernel's share in sight.
     double weight(const Nearby& at, double r) const;
@@ -98,21 +118,23 @@ public:
                  std::vector<NearLight>& near) const;
 
 private:
-    /// Calls visit(light, at), as in NearLight but by channel, for all light within the radius that `eye` accepts, in the
-    /// order of the walk. `found` is scratch memory.
+    /// Calls visit(light, at), as in NearLight but by channel, for all light within the radius that `eye` accepts, photons
+    /// and points of beams in the order of the walk, and then beams. `found` is scratch memory.
     template <typename Visit>
     void for_each_near(const MediumStretch& stretch, const EyePath& eye, RayQueries& rays,
                        std::vector<std::uint32_t>& found, Visit&& visit) const;
+    /// Whether the beam runs so nearly along the stretch that its point stands for it.
+    bool runs_along(const PhotonBeam& beam, const MediumStretch& stretch) const;
+    double radius_of(const Nearby& at) const { return double{at.on_disc ? radii_.disc : radii_.ribbon}; }
     /// The place at the offset `d` along the unit vector `across` from the ray's point p; empty if a surface hides it.
-    std::optional<Nearby> nearby(const Vec3& p, const Vec3& across, double d, RayQueries& rays) const;
+    std::optional<Nearby> nearby(const Vec3& p, const Vec3& across, double d, bool on_disc, RayQueries& rays) const;
 
     PhotonWalkResult walk_;
-    bool beams_ = false;
     Kernel kernel_ = Kernel::uniform;
-    float radius_ = 0.f;
+    BlurRadii radii_{};
     const FlatRegions* regions_ = nullptr;
     bool estimates_bias_ = false;
-    NearRayTree tree_;
+    NearRayTree points_, beams_;  ///< of photons or of a point on each beam; of beams
 };
 
 }  // namespace gib

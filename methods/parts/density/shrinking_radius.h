@@ -1,7 +1,7 @@
 #pragma once
 // How the radius of progressive methods shrinks from pass to pass, and where it starts.
 //
-// With n = 2 for surfaces and for photons around a ray, 3 for media and 1 for beams,
+// With n = 2 for surfaces and for photons around a ray (or beams along it), 3 for media and 1 for other beams,
 //
 //     r_(i+1)^n = r_i^n (i + alpha) / (i + 1),   i = 1, 2, ...,   0 < alpha < 1
 //

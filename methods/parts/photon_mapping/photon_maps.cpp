@@ -1,6 +1,7 @@
 #include "methods/parts/photon_mapping/photon_maps.h"
 
 #include "common/scene/scene.h"
+#include "methods/parts/transport/delta_paths.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -90,6 +91,12 @@ void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& set
     add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges, has_straight_light ? 2 : 3);
 }
 
+void leave_out_pencils(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
+    std::vector<Component> looked_for = {Component::direct};
+    if (settings.volume_look_up == VolumeLookUp::points) looked_for.push_back(Component::volume);
+    leave_out(plan, components_of_pencils(scene, plan.called_for, looked_for));
+}
+
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
     add_aim(plan, step_caustic_aim, step_caustic, true, settings.projection);
     add_aim(plan, step_global_aim, step_global, !scene.has_unbounded_medium(), settings.projection);
@@ -127,16 +134,15 @@ PhotonMap PhotonTracing::map_of(const PhotonWalkResult& walk) {
     return PhotonMap(walk.photons, walk.unit);
 }
 
-LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
-                                               const ProjectionMap* aim, std::uint64_t seed) {
+LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii,
+                                               bool estimates_bias, const ProjectionMap* aim, std::uint64_t seed) {
     const bool beams = settings.volume_look_up == VolumeLookUp::beams;
     PhotonWalkResult walk =
         trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
     const auto timer = stages_.time("tree build");
     constexpr int resolution = 32;
     if (!regions_) regions_ = std::make_unique<FlatRegions>(scene_, resolution);
-    return LightAlongRays(std::move(walk), settings.volume_look_up, settings.kernel, static_cast<float>(radius),
-                          *regions_, estimates_bias);
+    return LightAlongRays(std::move(walk), settings.kernel, radii, *regions_, estimates_bias);
 }
 
 double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
@@ -146,7 +152,7 @@ double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const
     pilot.volume_photons = pilot_paths(settings.volume_photons);
     const float longest = longest_radius_along_rays(settings.volume_look_up, pilot.volume_photons, scene_.diagonal());
     constexpr std::uint64_t pilot_key = 0x72;  // keeps these photons apart from those of the maps
-    const LightAlongRays light = light_along_rays(pilot, double{longest}, false, aim, combine_keys(seed, pilot_key));
+    const LightAlongRays light = light_along_rays(pilot, {longest, longest}, false, aim, combine_keys(seed, pilot_key));
     const auto timer = stages_.time("volume radius");
     return gib::radius_along_rays(scene_, walk,
                                   {.light = light,

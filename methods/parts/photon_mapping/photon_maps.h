@@ -47,6 +47,9 @@ void add_specular_paths(Plan& plan);
 void add_caustic_map(Plan& plan, const PhotonMapSettings& settings);
 void add_global_map(Plan& plan, const PhotonMapSettings& settings, const std::string& why_not = "");
 void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
+/// Has the plan leave out the light of pencils that paths from the camera look for: direct light, and with volume=points light
+/// that a medium scatters once.
+void leave_out_pencils(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
 /// Adds the steps of the projection maps that aim the photons of these maps. A projection map that runs is built at the
 /// start of the run. Only then is it known whether it drops any emission; otherwise photons leave the lights in all directions.
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
@@ -76,8 +79,8 @@ public:
     PhotonMap traced_map(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
         return map_of(trace(kind, count, aim, seed));
     }
-    /// The light in media of `settings.volume_photons` photons, for look-ups along rays with this radius [scene units].
-    LightAlongRays light_along_rays(const PhotonMapSettings& settings, double radius, bool estimates_bias,
+    /// The light in media of `settings.volume_photons` photons, for look-ups along rays with these radii.
+    LightAlongRays light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii, bool estimates_bias,
                                     const ProjectionMap* aim, std::uint64_t seed);
     /// The radius of these look-ups [scene units]: that of the settings, or else the one that radius_along_rays() finds for
     /// one map, or for the first of many whose radius `shrinks`.

@@ -11,14 +11,17 @@ class Medium;
 
 /// A beam of light. Its path and its power at its beginning are those of a photon; `edges` counts up to an event on the beam.
 struct PhotonBeam : PhotonPayload {
-    Vec3 p;                ///< its beginning
-    Vec3 w;                ///< unit, the way of the light
-    float length;          ///< [scene units]
+    Vec3 p;        ///< its beginning
+    Vec3 w;        ///< unit, the way of the light
+    float length;  ///< [scene units]
+    float place;   ///< of a random point on it, uniform in [0, 1): its distance from the beginning over the length
     const Medium* medium;  ///< which it crosses
 
-    PhotonBeam(const PhotonPayload& light, const Vec3& from, const Vec3& direction, float reach, const Medium& crossed)
-        : PhotonPayload(light), p(from), w(direction), length(reach), medium(&crossed) {}
+    PhotonBeam(const PhotonPayload& light, const Vec3& from, const Vec3& direction, float reach, float point_place,
+               const Medium& crossed)
+        : PhotonPayload(light), p(from), w(direction), length(reach), place(point_place), medium(&crossed) {}
     Vec3 end() const { return p + length * w; }
+    Vec3 point() const { return p + place * length * w; }
 };
 
 }  // namespace gib

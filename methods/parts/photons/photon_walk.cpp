@@ -106,7 +106,8 @@ private:
             medium->sample_reach(way.o, way.d, walk_.ray.found ? walk_.ray.found->t : infinity, walk_.flights, power);
         if (!reach) return;
         const PhotonPayload light(power, -way.d, way.d, at_.vertex + 1, true, at_.stratum);
-        result_.beams.emplace_back(light, way.o + reach->begin * way.d, way.d, reach->end - reach->begin, *medium);
+        result_.beams.emplace_back(light, way.o + reach->begin * way.d, way.d, reach->end - reach->begin,
+                                   walk_.flights.next(), *medium);
     }
 
     /// A scattering event at p in a medium. `before` is the largest channel of the power at the start of the free

@@ -48,6 +48,50 @@ TEST_P(VolumeLookUps, APencilOfLightHasItsClosedForm) {
     EXPECT_NEAR(m.mean(), expected, 0.002 * expected + sigmas * m.standard_error());
 }
 
+/// Parallel light of irradiance 1 in a layer of fog from z = -1 to z = 0, below the camera: it travels along `along` z = 1 or -1
+/// and turned from the view by an angle of this tangent.
+LoadedScene layer_in_parallel_light(double tangent, int along) {
+    return scene_of(scene_xml(element("integrator", "volpath", integer("max_depth", 2)) + camera_above(0.4, 8) +
+                              emitter("directional", vector("direction", tangent, 0, along), rgb("irradiance", 1)) +
+                              shape("cube", to_world(scale(2, 2, 0.5), translate(0, 0, -0.5)), no_surface,
+                                    "<medium name='interior' type='homogeneous'>", number("sigma_t", 1),
+                                    number("albedo", 0.8), "</medium>")));
+}
+
+/// The integral over the depth t from 0 to 1 of sigma_s / (4 pi) exp(-t) exp(-s / c), where the light has come through s = t of the
+/// layer, or 1 - t from below, and c is the cosine of its angle to the view.
+double scattered_by_layer(double tangent, int along) {
+    constexpr int steps = 1000;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double t = (i + 0.5) / steps, s = along < 0 ? t : 1 - t;
+        sum += std::exp(-t - s * std::hypot(1, tangent)) / steps;
+    }
+    return 0.8 / (4 * std::numbers::pi) * sum;
+}
+
+// The scatter of a pixel is that of the photons in a disc, about 16 of them. Were it that of ribbons, it would grow without bound as the tangent falls to 0.
+TEST(PhotonBeams, ThatRunAlongTheViewScatterNoMoreThanPhotons) {
+    for (const double tangent : {0., 1e-5, 1e-3, 1e-2, 0.3})
+        for (const int along : {-1, 1})
+            for (const std::string method : {"photon_mapper", "progressive_photon_mapper"}) {
+                const auto scene = layer_in_parallel_light(tangent, along);
+                const double expected = scattered_by_layer(tangent, along);
+                const std::string label = method + " volume=beams volume_photons=1e4 volume_radius=0.02";
+                Moments means, pixels;
+                for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+                    const Image image = *render(scene, label, 2, seed)[Component::volume];
+                    means.add(mean_of(image)[1]);
+                    for (std::size_t i = 0; i < image.pixels(); ++i)
+                        pixels.add(double{image.at(i)[1]});
+                }
+                const std::string what = fmt::format("{}, tangent {}, along {}", method, tangent, along);
+                EXPECT_LT(means.standard_error(), 0.05 * expected) << what << ": the test would not see an error";
+                EXPECT_NEAR(means.mean(), expected, sigmas * means.standard_error()) << what;
+                EXPECT_LT(pixels.standard_error() * std::sqrt(4. * 64), 0.7 * expected) << what;
+            }
+}
+
 /// A ball of fog lit by a lamp through a ball of glass, over a floor, and the fog's medium.
 std::string volume_caustic(const std::string& medium) {
     return scene_xml(

@@ -54,8 +54,8 @@ Moments found(const LoadedScene& scene, float distance, float half, int max_edge
     Moments moments;
     for (std::uint64_t seed = 1; seed <= s.seeds; ++seed) {
         const auto kind = s.look_up == VolumeLookUp::beams ? PhotonMapKind::beams : PhotonMapKind::media;
-        const LightAlongRays light(trace_photons(*scene.scene, kind, s.photons, max_edges, seed), s.look_up, s.kernel,
-                                   s.radius, regions);
+        const LightAlongRays light(trace_photons(*scene.scene, kind, s.photons, max_edges, seed), s.kernel,
+                                   {s.radius, s.radius}, regions);
         for (int along = 0; along < 6; ++along)
             for (int side = 0; side < 4; ++side) {
                 const float way = along % 2 == 0 ? half : -half, by = side % 2 == 0 ? distance : -distance;
