@@ -104,11 +104,14 @@ std::vector<EnergyCurve> energy_curves(const Runs& cells, const std::vector<Imag
     return curves;
 }
 
-/// Whether the images of a method that is unbiased by theory contradict this; `unmet` is the energy of unmet light.
-void test_energy(TableRow& row, const Runs& cells, const std::vector<Image>& images, const ReferenceLayer& reference,
-                 const Components& left_out, double unmet) {
+/// Whether the images of a method that is unbiased by theory contradict this; `unmet` is the energy of unmet light. The level is
+/// shared by all rows that the table can have (Bonferroni).
+void test_energy(TableRow& row, const ResultIndex& index, const Runs& cells, const std::vector<Image>& images,
+                 const ReferenceLayer& reference, const Components& left_out, double unmet) {
     if (!row.footing || !is_unbiased_by_theory(row, left_out)) return;
-    const auto test = energy_test(energy_curves(cells, images, row.layer), images, reference, *row.footing, unmet);
+    const std::size_t rows = index.scenes.size() * index.methods.size() * (component_count + 1);
+    const auto test = energy_test(energy_curves(cells, images, row.layer), images, reference, *row.footing, unmet,
+                                  energy_alpha / static_cast<double>(rows));
     if (!test || !test->is_rejected) return;
     row.contradicted_in = {row.layer};
     row.footing->excess = test->excess;
@@ -151,7 +154,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
             if (left_out.has(c)) continue;
             const Image unmet = unmet_light(images, reference->mean);
             const double unmet_energy = allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
-            test_energy(rows.back(), replicates.cells, images, *reference, left_out, unmet_energy);
+            test_energy(rows.back(), index, replicates.cells, images, *reference, left_out, unmet_energy);
             for (std::size_t i = 0; i < unmet.rgb.size(); ++i)
                 all_unmet.rgb[i] += unmet.rgb[i];
         } else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
@@ -159,7 +162,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     if (judgement.is_empty()) return rows;
     TableRow& total = rows.front();
     const double unmet_energy = allow_for_unmet_light(total, totals, all_unmet, judgement.total(), denominators);
-    test_energy(total, replicates.cells, totals, judgement.total(), left_out, unmet_energy);
+    test_energy(total, index, replicates.cells, totals, judgement.total(), left_out, unmet_energy);
     for (std::size_t i = 1; i < rows.size(); ++i)
         total.contradicted_in.insert(total.contradicted_in.end(), rows[i].contradicted_in.begin(),
                                      rows[i].contradicted_in.end());

@@ -11,7 +11,8 @@
 // do. (1) If a few parts hold the scatter, it is known as badly as from these few: the degrees of freedom are
 // 2 (sum d^2)^2 / sum d^4 - 1 at most, which is 1 for a single part and 2/3 of their number for normal noise. (2) If the energy
 // D is missing because events of the size s were not met, these add the variance D s / (number of trials) to that of the runs.
-// An event is taken as `unseen_factor` times as large as the largest one that was seen, in a pixel or in a part of a run.
+// s is taken as `unseen_factor` times the largest excess of a pixel over the reference, or as many times the variance over the
+// mean of the energies, which is the mean size, weighed by size, of events that light many pixels (compound Poisson process).
 // If the images are too bright, the same holds for the reference and its groups. (3) Light in pixels where all images are black
 // is not missing, and as much again may be missing where one image alone has met it (Good 1953, "The population frequencies of
 // species and the estimation of population parameters").
@@ -25,6 +26,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace gib {
 
@@ -88,26 +90,11 @@ double brightest_pixel(const std::vector<Image>& images, const Image& reference)
     return images.empty() ? 0 : largest / static_cast<double>(images.size() * reference.rgb.size());
 }
 
-double brightest_part(const std::vector<Part>& parts, double truth) {
-    double largest = 0, passes = 0;
-    for (const Part& part : parts) {
-        largest = std::max(largest, part.passes * (part.energy - truth));
-        passes += part.passes;
-    }
-    return largest / passes;
-}
-
-std::vector<Part> groups_as_parts(const std::vector<Image>& groups) {
-    std::vector<Part> parts;
-    for (const Image& group : groups)
-        parts.push_back({1, mean_energy(group)});
-    return parts;
-}
-
 }  // namespace
 
 std::optional<EnergyTest> energy_test(const std::vector<EnergyCurve>& curves, const std::vector<Image>& images,
-                                      const ReferenceLayer& reference, const Footing& footing, double unmet) {
+                                      const ReferenceLayer& reference, const Footing& footing, double unmet,
+                                      double alpha) {
     if (images.size() < 2 || (reference.groups.size() < 2 && !reference.standard_error)) return std::nullopt;
     const SampleMean truth = reference_energy(reference);
     const std::vector<Part> parts = parts_of(curves);
@@ -115,24 +102,20 @@ std::optional<EnergyTest> energy_test(const std::vector<EnergyCurve>& curves, co
     const double difference = footing.energy.value - truth.value;
     if (!std::isfinite(difference) || !std::isfinite(own.variance) || !(own.variance > 0)) return std::nullopt;
     const bool is_darker = difference < 0;
-    const double event =
-        unseen_factor *
-        (is_darker
-             ? std::max(brightest_pixel(images, reference.mean), brightest_part(parts, truth.value))
-             : std::max(brightest_pixel(reference.groups, reference.mean),
-                        reference.groups.empty() ? 0 : brightest_part(groups_as_parts(reference.groups), truth.value)));
+    const auto event_of = [&](const std::vector<Image>& all, double energy, double variance) {
+        return unseen_factor * std::max(brightest_pixel(all, reference.mean), energy > 0 ? variance / energy : 0);
+    };
+    const double event = is_darker ? event_of(images, footing.energy.value, own.variance)
+                                   : event_of(reference.groups, truth.value, truth.variance.variance);
     const double least = is_darker ? std::max(0.0, -difference - unmet) : difference;
     const auto half = [&](double tail) {
-        VarianceTerm with_events = own, of_reference = truth.variance;
-        (is_darker ? with_events : of_reference).variance += least * event;
-        return half_width({with_events, of_reference}, tail);
+        return half_width({own, truth.variance, {least * event, std::numeric_limits<double>::infinity()}}, tail);
     };
     const double shown = half(shown_tail), excess = difference / footing.unit;
     EnergyTest test;
     test.excess = {excess,
                    Interval{excess - shown / footing.unit, excess + (shown + (is_darker ? unmet : 0)) / footing.unit}};
-    test.is_rejected =
-        least > half(energy_alpha) && (!is_darker || least > unmet) && least >= footing_least * footing.unit;
+    test.is_rejected = least > half(alpha) && (!is_darker || least > unmet) && least >= footing_least * footing.unit;
     return test;
 }
 

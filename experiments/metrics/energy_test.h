@@ -18,8 +18,8 @@ struct EnergyAfter {
 /// The energies of one run in the order of its passes; those of the final image are the last.
 using EnergyCurve = std::vector<EnergyAfter>;
 
-/// The significance level of one test. A table of a hundred layers of unbiased methods has a false positive in one of a hundred cases.
-inline constexpr double energy_alpha = 1e-4;
+/// The significance level of all tests of a table together.
+inline constexpr double energy_alpha = 0.01;
 
 /// Whether a mean energy differs from the reference's.
 struct EnergyTest {
@@ -29,10 +29,11 @@ struct EnergyTest {
     bool is_rejected = false;  ///< the energies differ significantly, by footing_least or more
 };
 
-/// Tests `images`, the final images of one curve each, against the reference's layer; `unmet` is the part of the
+/// Tests `images`, the final images of one curve each, against the reference's layer; `alpha`: significance level of this test; `unmet`: the part of the
 /// reference's mean energy that lies where all images are black (analysis/unmet_light.h). Empty below two images, without
 /// noise in the images or a known one in the reference, and if a value is not finite.
 std::optional<EnergyTest> energy_test(const std::vector<EnergyCurve>& curves, const std::vector<Image>& images,
-                                      const ReferenceLayer& reference, const Footing& footing, double unmet);
+                                      const ReferenceLayer& reference, const Footing& footing, double unmet,
+                                      double alpha);
 
 }  // namespace gib

@@ -270,8 +270,7 @@ void add_laws(Columns& c) {
             "`unbiased`: the method declares itself unbiased and samples every path of the row, so that bias^2 is 0 by "
             "theory and all error is variance; `bias2` keeps what the seeds say, whose interval misses 0 in one of "
             "twenty rows. `measured`: `bias2` is all that is known. `contradicted`: the same of a method that declares "
-            "itself unbiased, but has "
-            "another mean energy than the reference, here or in a component. Empty: one seed"},
+            "itself unbiased, but has another mean energy than the reference, here or in a component. Empty: one seed"},
            bias_state);
     c.ends(corrected_column(), [](const TableRow& row) { return field_of(corrected_rel_mse(row)); });
     c.text({"external", "", "`yes`: an image of another renderer"},
