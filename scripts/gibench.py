@@ -9,6 +9,7 @@
 It needs numpy and OpenImageIO (Debian: scripts/packages-python.txt) and computes no metric.
 """
 import csv
+import json
 import os
 import re
 import subprocess
@@ -39,6 +40,20 @@ def table(folder, name="table.csv"):
     """The rows of a CSV file in a result folder as dicts by column: numbers, words, or None where a field is empty."""
     with open(os.path.join(folder, name), encoding="utf-8", newline="") as file:
         return [{column: value_of(column, text) for column, text in row.items()} for row in csv.DictReader(file, strict=True)]
+
+
+def unlike(folder, other):
+    """By scene, what changes the meaning of the numbers of two result folders and not the images: {"epsilon": (before, after)}
+    and so on, as their manifests list it; scenes with none are left out. Numbers of a scene that is named here do not compare, but for
+    `reference`, and but for errors after equal passes with `threads`."""
+    def quantities(path):
+        with open(os.path.join(path, "manifest.json"), encoding="utf-8") as file:
+            return {scene["name"]: scene.get("quantities", {}) for scene in json.load(file)["scenes"]}
+    before, after = quantities(folder), quantities(other)
+    found = {scene: {name: (before[scene][name], after[scene][name]) for name in before[scene].keys() & after[scene].keys()
+                     if before[scene][name] != after[scene][name]}
+             for scene in before.keys() & after.keys()}
+    return {scene: differences for scene, differences in found.items() if differences}
 
 
 def layers(path):

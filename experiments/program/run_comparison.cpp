@@ -5,6 +5,7 @@
 #include "experiments/analysis/ranking.h"
 #include "experiments/analysis/warnings.h"
 #include "experiments/report/words.h"
+#include "experiments/results/quantities.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/text/numbers.h"
 
@@ -228,6 +229,17 @@ void remark_missing(const Analysis& in, const Analysis& missing_in, const char* 
             comparison.remarks.push_back(fmt::format("{}, {}: only in the {} run", row.scene, row.method, which));
 }
 
+/// Says which methods have a bias although they are declared unbiased.
+void remark_contradicted(const Analysis& in, const char* which, RunComparison& comparison) {
+    for (const TableRow& row : in.rows)
+        if (row.layer == Layer::total && !row.contradicted_in.empty()) {
+            comparison.remarks.push_back(fmt::format("{}, {}: in the {} run {}", row.scene,
+                                                     row.name.empty() ? row.method : row.name, which,
+                                                     contradiction(in, row)));
+            comparison.has_contradictions = true;
+        }
+}
+
 Analysis analysis_in(const std::string& path) {
     Analysis analysis = analyse(ResultFolder(path));
     for (const std::string& what : analysis.damage)
@@ -288,9 +300,14 @@ RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
     std::vector<Pair> pairs;
     for (const std::string& scene : scenes_of(before)) {
         const IndexScene *old_scene = scene_named(before, scene), *new_scene = scene_named(after, scene);
-        if (old_scene && new_scene && old_scene->content_hash != new_scene->content_hash) {
-            comparison.remarks.push_back(scene + ": not compared, because its content or its resolution has changed");
-            continue;
+        if (old_scene && new_scene) {
+            const Differences unlike = differences(quantities_of(before.index, *old_scene, before.unjudged(scene)),
+                                                   quantities_of(after.index, *new_scene, after.unjudged(scene)));
+            if (!unlike.all.empty()) {
+                comparison.remarks.push_back(fmt::format("{}: not compared, because {}", scene, unlike.all));
+                continue;
+            }
+            if (!unlike.noted.empty()) comparison.remarks.push_back(fmt::format("{}: {}", scene, unlike.noted));
         }
         const ScenePairs both(before, after, scene);
         std::vector<std::string> methods;
@@ -315,6 +332,8 @@ RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
     for (const auto& [new_label, old_label] : changed)
         comparison.remarks.push_back(fmt::format("{}: its settings differ: `{}` in the old run, `{}` in the new run",
                                                  begin_of_name(before, old_label), old_label, new_label));
+    remark_contradicted(before, "old", comparison);
+    remark_contradicted(new_run, "new", comparison);
     remark_missing(before, after, "old", comparison);
     remark_missing(after, before, "new", comparison);
     return comparison;
@@ -358,7 +377,8 @@ int compare_runs(const CompareRunsOptions& options, std::ostream& out) {
     if (options.csv)
         for (const std::string& remark : comparison.remarks)
             std::cerr << remark << "\n";
-    const bool has_failed = comparison.changes.empty() || count_of(comparison, ChangeVerdict::worse) > 0;
+    const bool has_failed =
+        comparison.changes.empty() || comparison.has_contradictions || count_of(comparison, ChangeVerdict::worse) > 0;
     return options.fail_if_worse && has_failed ? exit_failed : 0;
 }
 

@@ -64,9 +64,13 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     j["executable_sha1"] = executable_hash();
     j["processors"] = std::thread::hardware_concurrency();
     j["threads"] = index.threads;
-    for (const auto& scene : index.scenes)
+    for (const auto& scene : index.scenes) {
         j["scenes"].push_back(
             Manifest::Scene{scene.name, scene.path, scene.content_hash, scene.reference, scene.reference_method});
+        const auto unjudged = run.unjudged.find(scene.name);
+        j["scenes"].back()["quantities"] =
+            quantities_of(index, scene, unjudged == run.unjudged.end() ? Components() : unjudged->second);
+    }
     j["methods"] = index.methods;
     j["seeds"] = index.seeds;
     j["epsilon"] = index.epsilon;
@@ -94,6 +98,8 @@ Manifest read_manifest(const std::string& path) {
         j.at("seeds").get_to(m.seeds);
         j.at("epsilon").get_to(m.epsilon);
         j.at("scenes").get_to(m.scenes);
+        for (std::size_t i = 0; i < m.scenes.size(); ++i)
+            m.scenes[i].quantities = j["scenes"][i].value("quantities", Quantities());
         j.at("cells").get_to(m.cells);
         m.machine = machine_in(j);
         return m;

@@ -2,6 +2,7 @@
 // Writes and reads manifest.json, which holds everything that a result depends on and that its tables do not say.
 // `gibench run --repeat` reads it.
 
+#include "experiments/results/quantities.h"
 #include "experiments/results/result_folder.h"
 
 #include <cstdint>
@@ -27,6 +28,7 @@ struct ManifestRun {
     std::string experiment_file;  ///< its path, as it was typed
     std::optional<std::pair<int, int>> resolution;
     std::vector<ManifestCell> cells;
+    std::map<std::string, Components> unjudged = {};  ///< by scene: of quantities_of()
 };
 
 std::string manifest_text(const ResultIndex& index, const ManifestRun& run);
@@ -35,6 +37,7 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run);
 struct Manifest {
     struct Scene {
         std::string name, file, content_hash, reference, reference_method;
+        Quantities quantities = {};  ///< empty in manifests of older versions
     };
     std::string experiment_file, working_folder, experiment_text;
     int threads = 0, seeds = 1;

@@ -33,12 +33,19 @@ template <>
 struct nlohmann::adl_serializer<std::map<gib::Layer, gib::ImageError>, void> {
     static void to_json(json& j, const std::map<gib::Layer, gib::ImageError>& errors) {
         j = json::object();
-        for (const auto& [layer, error] : errors)
-            j[std::string(gib::name_of(layer))] = error;
+        for (const auto& [layer, error] : errors) {
+            json& record = j[std::string(gib::name_of(layer))] = error;
+            record["energy"] = gib::number_to_json(error.energy);
+        }
     }
     static void from_json(const json& j, std::map<gib::Layer, gib::ImageError>& errors) {
         for (const auto& [name, error] : j.items())
-            if (const auto layer = gib::layer_named(name)) errors[*layer] = error.get<gib::ImageError>();
+            if (const auto layer = gib::layer_named(name)) {
+                errors[*layer] = error.get<gib::ImageError>();
+                if (const auto energy = error.find("energy");
+                    energy != error.end())  // not in records of older versions
+                    errors[*layer].energy = gib::number_from_json(*energy);
+            }
     }
 };
 
@@ -73,8 +80,8 @@ static auto json_fields(RecordOf<ResultIndex> auto& i) {
 
 std::string CellIdentity::key() const {
     ContentHash hash;
-    for (const auto& piece : {std::string("cell 1"), scene, method, std::to_string(seed), scene_hash,
-                              std::to_string(spp), budget.seconds ? fmt::format("{}", *budget.seconds) : "",
+    for (const auto& piece : {fmt::format("cell {}", definitions_version), scene, method, std::to_string(seed),
+                              scene_hash, std::to_string(spp), budget.seconds ? fmt::format("{}", *budget.seconds) : "",
                               budget.passes ? fmt::format("{}", *budget.passes) : "",
                               epsilon ? fmt::format("{}", *epsilon) : "relative", std::to_string(threads), reference})
         hash.add(piece);
@@ -182,6 +189,7 @@ void ResultFolder::require_known_format() const {
 void ResultFolder::write_index(const ResultIndex& index) const {
     json j = index;
     j["format"] = results_format;
+    j["definitions"] = index.definitions;
     j["effects_missing"] = json::array();
     for (const auto& [cell, left_out] : index.left_out)
         j["effects_missing"].push_back({{"scene", cell.first},
@@ -198,6 +206,7 @@ ResultIndex ResultFolder::read_index() const {
     try {
         const json j = read_json(path);
         auto index = j.get<ResultIndex>();
+        index.definitions = j.value("definitions", 1);
         if (index.epsilon) require_epsilon(*index.epsilon, {path});
         for (const auto& m : j.at("effects_missing"))
             index.left_out[{m.at("scene"), m.at("method")}] = {effects_named(m.at("effects")),

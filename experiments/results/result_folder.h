@@ -20,6 +20,9 @@ inline constexpr const char* results_format = "gibench results 1";
 /// The name of the sum of all components in tables.
 inline constexpr const char* total_name = "total";
 
+/// The version of the definitions of errors and times, which rises when stored numbers mean something else.
+inline constexpr int definitions_version = 1;
+
 /// Everything that decides the result of a cell. A stored cell is reused only if all of it is equal.
 struct CellIdentity {
     std::string scene;   ///< name
@@ -79,6 +82,7 @@ struct ResultIndex {
     std::optional<double> epsilon;  ///< as the experiment gives it; none: the default of each scene (epsilon.h)
     int seeds = 1;
     int threads = 0;
+    int definitions = definitions_version;  ///< of the program that measured the cells
     std::vector<IndexScene> scenes;
     std::vector<std::string> methods;         ///< labels
     std::vector<std::string> externals = {};  ///< those of other renderers

@@ -120,6 +120,18 @@ std::string difference(const std::string& path, const std::string& other_path) {
     }
 }
 
+/// Warns of scenes whose numbers mean something else than in the run that is repeated.
+void warn_of_unlike_numbers(const Manifest& then, const Manifest& now) {
+    for (const Manifest::Scene& scene : now.scenes)
+        for (const Manifest::Scene& old : then.scenes) {
+            if (old.name != scene.name) continue;
+            const Differences found = differences(old.quantities, scene.quantities);
+            for (const std::string& what : {found.all, found.seconds, found.noted})
+                if (!what.empty())
+                    std::cerr << fmt::format("warning: {}: {}: numbers do not compare\n", scene.name, what);
+        }
+}
+
 /// The message of what failed of a cell or of its scene's reference; empty if nothing did.
 std::optional<std::string> failure_of(const ManifestCell& cell, const RunLog& log) {
     const std::string name = fmt::format("{}, {}, seed {}", cell.scene, cell.method, cell.seed);
@@ -187,6 +199,7 @@ int repeat_run(const std::string& results, RunOptions options, std::ostream& out
         std::cerr << "interrupted: no image was compared\n";
         return exit_interrupted;
     }
+    warn_of_unlike_numbers(manifest, read_manifest(run.folder.file("manifest.json")));
     const bool identical = compare_cells(manifest.cells, original, run, out);
     out << "Report: " << report << "\n";
     return identical ? 0 : exit_failed;

@@ -138,10 +138,14 @@ std::string RunSession::write_results() {
                          .experiment_file = setup.experiment.path,
                          .resolution = setup.experiment.resolution,
                          .cells = manifest_cells(list, folder)};
-    write_file(folder.file("manifest.json"), manifest_text(index, manifest));
+    const auto write_manifest = [&] { write_file(folder.file("manifest.json"), manifest_text(index, manifest)); };
+    write_manifest();  // the analysis reads it
     std::string report;
     with_threads(setup.threads, [&] {
         const Analysis analysis = analyse(folder);
+        for (const auto& scene : index.scenes)
+            manifest.unjudged[scene.name] = analysis.unjudged(scene.name);
+        write_manifest();
         std::vector<std::string> damage = analysis.damage;
         link_images(index, folder);
         write_tables(analysis, folder);

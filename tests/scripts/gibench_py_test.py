@@ -55,6 +55,19 @@ class Module(unittest.TestCase):
         self.assertEqual(self.returned, self.folder)
         self.assertTrue(os.path.exists(os.path.join(self.folder, "report.html")))
 
+    def test_unlike_quantities_of_two_folders_are_named(self):
+        self.assertEqual(gibench.unlike(self.folder, self.folder), {})
+        with tempfile.TemporaryDirectory() as other:
+            with open(os.path.join(self.folder, "manifest.json"), encoding="utf-8") as file:
+                manifest = json.load(file)
+            quantities = manifest["scenes"][0]["quantities"]
+            before = quantities["epsilon"]
+            quantities["epsilon"] = "0.1"
+            del quantities["unit"]  # a version that does not know it
+            with open(os.path.join(other, "manifest.json"), "w", encoding="utf-8") as file:
+                json.dump(manifest, file)
+            self.assertEqual(gibench.unlike(self.folder, other), {"cornell-box": {"epsilon": (before, "0.1")}})
+
     def test_table_has_every_row_with_its_numbers(self):
         rows = gibench.table(self.folder)
         with open(os.path.join(self.folder, "table.csv"), encoding="utf-8", newline="") as file:

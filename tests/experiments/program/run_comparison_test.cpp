@@ -2,6 +2,7 @@
 
 #include "experiments/program/run_comparison.h"
 
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/matchers.h"
 
@@ -142,6 +143,54 @@ TEST(CompareRuns, OneSeedTellsNothing) {
                    after = analysis_of({run_of("a", 4e-1, 0.5, 16)});
     for (const Change& change : compare_runs(before, after).changes)
         EXPECT_EQ(change.verdict, ChangeVerdict::cannot_be_told);
+}
+
+TEST(CompareRuns, UnlikeQuantitiesAreSaidAndNotCompared) {
+    std::mt19937_64 random(8);
+    Analysis before = simulated_run(3, random);
+    before.index.scenes = {{"box", "box.xml", "hash", "r", "path", 0.01, {}}};
+    Analysis after = before;
+    ASSERT_FALSE(compare_runs(before, after).changes.empty());
+    const auto is_refused = [&](const char* why) {
+        const RunComparison comparison = compare_runs(before, after);
+        EXPECT_TRUE(comparison.changes.empty()) << why;
+        EXPECT_THAT(comparison.remarks, ElementsAre(HasSubstr(why)));
+        after = before;
+    };
+    before.index.epsilon = 0.1;
+    after.index.epsilon = 0.001;
+    is_refused("box: not compared, because epsilon was 0.1 and is 0.001");
+    after.index.definitions = 7;
+    is_refused("the definition of errors was version 1 and is version 7");
+    after.index.scenes[0].reference_method = "the image r.exr";
+    is_refused("the reference was an estimate of gibench and is the image r.exr (r)");
+    after.references.push_back({.scene = "box", .method = "path", .unjudged = {Component::caustic}});
+    is_refused("the components judged were all and are all but caustic");
+
+    after.index.scenes[0].target = 0.05;
+    const RunComparison noted = compare_runs(before, after);
+    EXPECT_FALSE(noted.changes.empty()) << "the noise floors allow for it";
+    EXPECT_THAT(noted.remarks, ElementsAre("box: the reference was path, target 1 % and is path, target 5 %"));
+}
+
+TEST(CompareRuns, BiasAgainstADeclarationIsSaid) {
+    std::mt19937_64 random(8);
+    const Analysis before = simulated_run(3, random);
+    Analysis after = before;
+    EXPECT_FALSE(compare_runs(before, after).has_contradictions);
+    TableRow& total = after.rows.front();
+    TableRow indirect = total;
+    total.contradicted_in = {Layer::indirect};
+    indirect.layer = Layer::indirect;
+    indirect.footing.emplace();
+    indirect.footing->excess = {-0.03, Interval{-0.035, -0.025}};
+    after.rows.push_back(indirect);
+    const RunComparison comparison = compare_runs(before, after);
+    EXPECT_TRUE(comparison.has_contradictions);
+    EXPECT_THAT(comparison.remarks,
+                ElementsAre("box, a: in the new run biased, although it is declared unbiased: mean energy against the "
+                            "reference's `indirect` -3.00 % (-3.50 to -2.50)"));
+    EXPECT_EQ(error_kind(total), "bias, although the method is declared unbiased: indirect");
 }
 
 TEST(CompareRuns, OtherMachinesScenesAndMethodsAreSaid) {
