@@ -269,7 +269,7 @@ TEST(CompareWords, SayThatTheSrgbCurveWasApplied) {
         EXPECT_THAT(sentence_about(bytes), StartsWith(head)) << exposure;
     }
     EXPECT_THAT(sentence_about(changed(picture(2), [](float v) { return srgb_from_linear(3 * v); })),
-                HasSubstr("without it, 3.00 times too bright; scaled, relative RMSE 7."));
+                HasSubstr("without it, 2.99 times too bright; scaled, relative RMSE 7."));
     EXPECT_THAT(sentence_about(changed(picture(2), [](float v) { return std::pow(v / 20, 1 / 2.2f); })),
                 StartsWith("the sRGB curve"));
     Image lamp = picture(2), reference = picture(1);
