@@ -31,8 +31,9 @@ public:
         Plan plan = described_plan(scene, find_method("bidirectional"));
         const Techniques& used = settings_.used;
         const bool uses_all = used.hits && used.light_sampling && used.connections && used.camera;
-        plan.unresolved =
-            uses_all ? components_of_delta_paths(scene, plan.called_for) : find_method("bidirectional").components;
+        leave_out(plan, uses_all ? components_of_delta_paths(scene, plan.called_for)
+                                 : find_method("bidirectional").components);
+        leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
         add_joined_paths(plan, scene, settings_);
         add_importons(plan, settings_.guiding, why_no_importons(plan));
         return plan;

@@ -133,7 +133,7 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("guided_path"));
-        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        leave_out_of_camera_paths(plan, scene);
         add_eye_paths(plan, scene, settings_.max_edges);
         add_light_sampling(plan, settings_.max_edges);
         plan.add(step_learning, plan.runs(step_eye_paths) && settings_.max_edges >= 2,

@@ -262,7 +262,8 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("metropolis"));
-        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        leave_out(plan, components_of_delta_paths(scene, plan.called_for));
+        leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
         add_joined_paths(plan, scene, {PointSet::sobol, settings_.max_edges, {}});
         const bool follows = plan.runs(step_light_paths);
         plan.add(step_chains, follows && settings_.max_edges >= shortest,

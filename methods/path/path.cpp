@@ -6,15 +6,14 @@
 // it cancels in the heuristic.
 // Parameters: sampler = sobol (default) | independent; spp and max_depth as for all methods.
 // Bias: none, for paths that it can sample. It cannot sample paths on which a point, spot or directional light is
-// seen through specular surfaces, and it seldom samples paths to a small light behind them (heavy tails).
+// seen through specular surfaces, and it seldom samples paths to a small light behind them (heavy tails) or to the place that
+// a pencil of light meets.
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/eye_sample_run.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/transport/trace_path.h"
-
-#include <algorithm>
 
 namespace gib {
 
@@ -27,12 +26,7 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, description_);
-        // A vertex is connected to a point, spot or directional light by a straight line, never through a mirror.
-        plan.unresolved = components_of_delta_paths(scene, plan.called_for);
-        const auto& lights = scene.lights();
-        if (!plan.unresolved.empty() && plan.called_for.has(Effect::caustics) &&
-            !plan.called_for.has(Effect::glossy_lobes) && std::all_of(lights.begin(), lights.end(), is_delta))
-            plan.missing.add(Effect::caustics);
+        leave_out_of_camera_paths(plan, scene);
         add_eye_paths(plan, scene, max_edges_);
         add_light_sampling(plan, max_edges_);
         return plan;

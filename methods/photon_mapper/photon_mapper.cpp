@@ -28,11 +28,13 @@
 // of their own. The maps and the cache are filled at the start. Photons are aimed: a light emits
 // only where its rays can reach geometry (global map) or specular geometry (caustic map), see projection_map.h. The
 // number of photons is the same as without aiming; together they carry the power of the emission that is kept.
-// Fails: never; a map without photons near a point gives 0 there.
+// Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
+// found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "methods/parts/photon_mapping/eye_pass.h"
 #include "methods/parts/stored_light/stored_light.h"
+#include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <fmt/format.h>
@@ -58,6 +60,7 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
     else if (settings.max_edges < 3) reason = "its paths have at least three edges, more than max_depth allows";
     plan.add(step_gather, reason);
     const bool gathers = plan.runs(step_gather);
+    if (gathers) leave_out(plan, components_of_pencils(scene, plan.called_for, {Component::indirect}));
     const std::string no_rays = "nothing is gathered";
     plan.add(step_irradiance,
              !gathers ? no_rays
@@ -70,6 +73,7 @@ void add_gathering(Plan& plan, const Scene& scene, const PhotonMapperSettings& s
 Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSettings& settings) {
     Plan plan = described_plan(scene, find_method("photon_mapper"));
     plan.called_for = effects;
+    leave_out_pencils(plan, scene, settings);
     add_eye_paths(plan, scene, settings.max_edges);
     add_light_sampling(plan, settings.max_edges);
     add_specular_paths(plan);

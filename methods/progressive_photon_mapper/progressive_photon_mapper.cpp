@@ -11,7 +11,8 @@
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
 // A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
-// Fails: never; a map without photons near a point gives 0 there.
+// Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
+// found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/parts/density/biased_film.h"
 #include "methods/parts/density/first_radius.h"
 #include "methods/parts/density/progressive_parameters.h"
@@ -197,6 +198,7 @@ public:
     Plan plan(const Scene& scene) const override {
         const PhotonMapSettings maps = settings_for(scene).maps;
         Plan plan = described_plan(scene, find_method("progressive_photon_mapper"));
+        leave_out_pencils(plan, scene, maps);
         add_eye_paths(plan, scene, maps.max_edges);
         add_light_sampling(plan, maps.max_edges);
         add_specular_paths(plan);

@@ -53,7 +53,10 @@ public:
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("vcm"));
-        if (!merges()) plan.unresolved = components_of_delta_paths(scene, plan.called_for);
+        if (!merges()) leave_out(plan, components_of_delta_paths(scene, plan.called_for));
+        if (subset_ == Subset::path_tracing) leave_out_of_camera_paths(plan, scene);
+        else if (subset_ != Subset::photon_mapping)
+            leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
         if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
             plan.unresolved = find_method("vcm").components;
         add_joined_paths(plan, scene, settings_);

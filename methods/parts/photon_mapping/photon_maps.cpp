@@ -1,6 +1,7 @@
 #include "methods/parts/photon_mapping/photon_maps.h"
 
 #include "common/scene/scene.h"
+#include "methods/parts/transport/delta_paths.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -88,6 +89,12 @@ void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& set
                                                           : "";
     const bool has_straight_light = settings.volume_look_up != VolumeLookUp::points;
     add_map(plan, step_volume, why_not, settings.volume_photons, settings.max_edges, has_straight_light ? 2 : 3);
+}
+
+void leave_out_pencils(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {
+    std::vector<Component> looked_for = {Component::direct};
+    if (settings.volume_look_up == VolumeLookUp::points) looked_for.push_back(Component::volume);
+    leave_out(plan, components_of_pencils(scene, plan.called_for, looked_for));
 }
 
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings) {

@@ -47,6 +47,9 @@ void add_specular_paths(Plan& plan);
 void add_caustic_map(Plan& plan, const PhotonMapSettings& settings);
 void add_global_map(Plan& plan, const PhotonMapSettings& settings, const std::string& why_not = "");
 void add_volume_map(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
+/// Has the plan leave out the light of pencils that paths from the camera look for: direct light, and with volume=points light
+/// that a medium scatters once.
+void leave_out_pencils(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
 /// Adds the steps of the projection maps that aim the photons of these maps. A projection map that runs is built at the
 /// start of the run. Only then is it known whether it drops any emission; otherwise photons leave the lights in all directions.
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
