@@ -9,7 +9,7 @@
 //
 // Rare bright light makes energies skewed: most runs are too dark AND scatter too little. Three rules bound what zeros can
 // do. (1) If a few parts hold the scatter, it is known as badly as from these few: the degrees of freedom are
-// 2 (sum d^2)^2 / sum d^4 - 1 at most, which is 1 for a single part and 2/3 of their number for normal noise. (2) If the energy
+// 2 ((sum d^2)^2 / sum d^4 - 1) at most, which is 1 for a single part and 2/3 of their number for normal noise. (2) If the energy
 // D is missing because events of the size s were not met, these add the variance D s / (number of trials) to that of the runs.
 // s is taken as `unseen_factor` times the largest excess of a pixel over the reference, or as many times the variance over the
 // mean of the energies, which is the mean size, weighed by size, of events that light many pixels (compound Poisson process).
@@ -73,7 +73,7 @@ VarianceTerm variance_of(const std::vector<EnergyCurve>& curves, const std::vect
         inverse += 1 / (n * n * curve.back().passes);
     const double degrees = static_cast<double>(parts.size() - 1);
     return {std::max(squares / degrees * inverse, of_seeds.variance),
-            std::clamp(2 * sqr(squares) / fourths - 1, 1.0, degrees)};
+            std::clamp(2 * (sqr(squares) / fourths - 1), 1.0, degrees)};
 }
 
 /// The largest excess of a value over that of the reference's mean, over the number of values: the size of an event as part of the

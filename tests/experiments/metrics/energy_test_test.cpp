@@ -118,7 +118,7 @@ TEST(EnergyTest, RareBrightLightIsNoLoss) {
 TEST(EnergyTest, ImagesThatAreAlmostAllBlackShowNothing) {
     const ReferenceLayer reference = reference_of(1);
     std::mt19937 random(1);
-    Runs runs = runs_of({.rate = 1e-3, .lights_all = true, .size = constant}, 3, 4, 1, random);
+    Runs runs = runs_of({.rate = 1e-9, .lights_all = true, .size = constant}, 3, 4, 1, random);
     EXPECT_FALSE(tested(runs, reference).has_value()) << "all black";
     runs.images[0] = constant_image(1e-3f, edge, edge);
     runs.curves[0].back().energy = 1e-3;
