@@ -206,8 +206,7 @@ private:
         for (const auto& part : shapes.parts)
             if (!bsdf_of(*part.material_name, bsdfs))
                 ids_.warn(object.where,
-                          fmt::format("the material '{}' of the OBJ file has no bsdf here: it is Mitsuba's "
-                                      "default",
+                          fmt::format("the material '{}' of the OBJ file has no bsdf here: it is the default",
                                       *part.material_name));
     }
 
@@ -358,8 +357,7 @@ private:
         if (boundary && !emitter && !is_open)
             ids_.warn(shape.where,
                       "the boundary of a medium without a bsdf is grey and opaque, as in Mitsuba, so that light hardly "
-                      "reaches the "
-                      "medium; <bsdf type=\"null\"/> would let it through");
+                      "reaches the medium; <bsdf type=\"null\"/> would let it through");
         auto& index = default_materials_[is_open ? 2 : emitter ? 1 : 0];
         if (!index) {
             index = static_cast<std::uint32_t>(materials_.size());
@@ -389,23 +387,19 @@ private:
     BoundsD bounds_;
 };
 
-/// The first sensor below the element; null if there is none.
-const XmlElement* nested_sensor(const XmlElement& element) {
-    for (const auto& child : element.children) {
-        if (child.tag == "sensor") return &child;
-        if (const XmlElement* sensor = nested_sensor(child)) return sensor;
+/// Reads the objects that nothing refers to, so that their errors are seen: each becomes a warning.
+template <typename Read>
+void read_unused(const std::vector<NestedObject>& objects, const XmlIds& ids, LoadWarnings& warnings,
+                 const Read& read) {
+    for (const auto& object : objects) {
+        if (ids.is_used(*object.element)) continue;
+        try {
+            read(object);
+        } catch (const InputError& error) {
+            warnings.add(object.where, fmt::format("nothing refers to this {}, which is left out: {}",
+                                                   object.element->tag, error.what()));
+        }
     }
-    return nullptr;
-}
-
-[[noreturn]] void refuse_without_sensor(const XmlElement& scene) {
-    if (const XmlElement* sensor = nested_sensor(scene))
-        reject(sensor->where,
-               "the scene has no sensor: this one would measure the element that it stands in; a camera is "
-               "a child of <scene>");
-    reject(scene.where,
-           "the scene has no sensor: add a <sensor type=\"perspective\"> with a to_world and a <film>, or "
-           "include this file in a scene that has them");
 }
 
 /// Reads a scene, and collects its unknown parameters. Throws InputError for these once all elements have been read, and for
@@ -434,24 +428,14 @@ LoadedScene read_scene(const std::string& xml, const std::string& path, const Sc
     parsed.sensor.hide_emitters(taken.hides_emitters);
     // Whatever refers to an object reads it. One that nothing refers to is read here, so that its errors are seen.
     builder.collect_unknown(nullptr);
-    const auto check_unused = [&](const std::vector<NestedObject>& objects, const auto& read) {
-        for (const auto& object : objects) {
-            if (builder.ids().is_used(*object.element)) continue;
-            try {
-                read(object);
-            } catch (const InputError& error) {
-                warnings.add(object.where, fmt::format("nothing refers to this {}, which is left out: {}",
-                                                       object.element->tag, error.what()));
-            }
-        }
-    };
-    check_unused(spectra, [&](const NestedObject& spectrum) {
+    read_unused(spectra, builder.ids(), warnings, [&](const NestedObject& spectrum) {
         // The range of an emission includes those of all other colours.
         parse_spectrum(*spectrum.element, builder.ids(), "spectrum", ColorRange::emission);
     });
-    check_unused(textures, [&](const NestedObject& texture) { builder.check_texture(texture); });
-    check_unused(bsdfs, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
-    check_unused(media, [&](const NestedObject& medium) { builder.check_medium(medium); });
+    read_unused(textures, builder.ids(), warnings,
+                [&](const NestedObject& texture) { builder.check_texture(texture); });
+    read_unused(bsdfs, builder.ids(), warnings, [&](const NestedObject& bsdf) { builder.check_bsdf(bsdf); });
+    read_unused(media, builder.ids(), warnings, [&](const NestedObject& medium) { builder.check_medium(medium); });
     builder.collect_unknown(&unknown);
     for (const auto& medium : media)
         if (builder.ids().is_used(*medium.element)) builder.add_medium(medium);

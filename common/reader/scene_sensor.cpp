@@ -248,4 +248,27 @@ ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& 
     return integrator_of(integrator, ids, 0);
 }
 
+namespace {
+
+/// The first sensor below the element; null if there is none.
+const XmlElement* nested_sensor(const XmlElement& element) {
+    for (const auto& child : element.children) {
+        if (child.tag == "sensor") return &child;
+        if (const XmlElement* sensor = nested_sensor(child)) return sensor;
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+void refuse_without_sensor(const XmlElement& scene) {
+    if (const XmlElement* sensor = nested_sensor(scene))
+        reject(sensor->where,
+               "the scene has no sensor: this one would measure the element that it stands in; a camera is "
+               "a child of <scene>");
+    reject(scene.where,
+           "the scene has no sensor: add a <sensor type=\"perspective\"> with a to_world and a <film>, or "
+           "include this file in a scene that has them");
+}
+
 }  // namespace gib

@@ -40,4 +40,7 @@ struct ParsedIntegrator {
 /// inside it; emitters are hidden if either of them says so.
 ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& ids);
 
+/// Throws InputError that says where the sensor of a scene belongs.
+[[noreturn]] void refuse_without_sensor(const XmlElement& scene);
+
 }  // namespace gib

@@ -8,7 +8,6 @@
 #include "experiments/program/command_line_text.h"
 #include "experiments/program/commands.h"
 #include "experiments/program/compare.h"
-#include "experiments/system/shipped_files.h"
 #include "experiments/program/run_comparison.h"
 #include "experiments/results/result_folder.h"
 #include "experiments/run/repeat.h"
@@ -17,6 +16,7 @@
 #include "experiments/slurm/submit.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
+#include "experiments/system/shipped_files.h"
 #include "experiments/tuning/tune.h"
 
 #include <CLI/CLI.hpp>

@@ -3,9 +3,9 @@
 #include "common/scene/effects.h"
 #include "experiments/plan/experiment_keys.h"
 #include "experiments/program/commands.h"
-#include "experiments/system/shipped_files.h"
 #include "experiments/report/tables.h"
 #include "experiments/system/build_info.h"
+#include "experiments/system/shipped_files.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Tests of random numbers, of choices among items and of the power heuristic.
 
-#include "common/sampling/power_heuristic.h"
 #include "common/sampling/sampler.h"
+#include "common/sampling/power_heuristic.h"
 
 #include <gtest/gtest.h>
 
