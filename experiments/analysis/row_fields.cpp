@@ -229,7 +229,7 @@ Field bias_share_field(const TableRow& row) {
                     Unit::share);
 }
 
-bool is_unbiased_by_theory(const TableRow& row, const Components& components_left_out) {
+bool is_unbiased(const TableRow& row, const Components& components_left_out) {
     const MethodLabel label = MethodLabel::parse(row.method);
     const auto& methods = method_registry();
     const auto method = std::ranges::find_if(methods, [&](const auto& m) { return m.name == label.name; });

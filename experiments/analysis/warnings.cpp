@@ -156,24 +156,6 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     return warning;
 }
 
-std::string contradiction(const Analysis& analysis, const TableRow& total) {
-    std::string text;
-    for (const Layer layer : total.contradicted_in)
-        if (const TableRow* row = analysis.row(total.scene, total.method, layer))
-            text += (text.empty() ? "" : ", ") + component_text(*row);
-    return "biased, although it is declared unbiased: mean energy against the reference's " + text;
-}
-
-std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene) {
-    std::vector<Warning> warnings;
-    for (const TableRow& row : analysis.rows)
-        if (row.scene == scene && row.layer == Layer::total && !row.contradicted_in.empty())
-            warnings.push_back({.kind = Warning::Kind::declaration_contradicted,
-                                .scene = scene,
-                                .sentence = fmt::format("{} is {}", row.method, contradiction(analysis, row))});
-    return warnings;
-}
-
 std::vector<Warning> footing_warnings(const Analysis& analysis) {
     std::vector<Warning> differing;
     UnresolvedRows groups;

@@ -400,13 +400,12 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const De
     require_same_size(x, reference.mean);
     require_same_size(denominators.plain(), reference.mean);
     const Weights relative{&denominators.plain(), denominators.epsilon()};
-    double mse = 0, rel_mse = 0, variance = 0, energy = 0;
+    double mse = 0, rel_mse = 0, variance = 0;
     for (std::size_t i = 0; i < x.rgb.size(); ++i) {
         const double w = relative(i);
         const double error2 = sqr(double{x.rgb[i]} - double{reference.mean.rgb[i]});
         mse += error2;
         rel_mse += w * error2;
-        energy += double{x.rgb[i]};
         if (reference.standard_error) variance += sqr(double{reference.standard_error->rgb[i]});
     }
     const auto size = static_cast<double>(x.rgb.size());
@@ -414,8 +413,7 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const De
             .rmse = std::sqrt(mse / size),
             .rel_mse = rel_mse / size,
             .mse_corrected = (mse - variance) / size - reference.mean_squared_bias([](std::size_t) { return 1.0; }),
-            .rel_mse_corrected = truth.squared_difference(x),
-            .energy = energy / size};
+            .rel_mse_corrected = truth.squared_difference(x)};
 }
 
 ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators) {

@@ -5,7 +5,6 @@
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/student_t.h"
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,8 +17,6 @@ struct ImageError {
     double rel_mse;  ///< (x - r)^2 / (r_total^2 + epsilon)
     /// Unbiased estimates of mse and rel_mse against the truth (Denominators); may be negative.
     double mse_corrected, rel_mse_corrected;
-    double energy =
-        std::numeric_limits<double>::quiet_NaN();  ///< mean of x [W/(sr m^2)]; NaN in records of older versions
 };
 
 /// The denominators are those of the reference's total, also for a component; `truth` is made of `reference` and them. A value of x

@@ -52,13 +52,6 @@ Field error_of(const Contender& c, const TableRow& total) {
     return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::not_judged};
 }
 
-std::string layer_names(const std::vector<Layer>& layers) {
-    std::string names;
-    for (const Layer layer : layers)
-        names += (names.empty() ? "" : ", ") + std::string(name_of(layer));
-    return names;
-}
-
 /// The layers whose mean energy differs from the reference's, "total, caustic".
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;
@@ -303,8 +296,6 @@ std::string csv_state(const Field& field) {
 std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
-    if (!row.contradicted_in.empty())
-        return "bias, although the method is declared unbiased: " + layer_names(row.contradicted_in);
     const Field share = bias_share_field(row);
     const auto [value, detail] = text_of(share, " %");
     switch (share.state) {

@@ -33,19 +33,12 @@ template <>
 struct nlohmann::adl_serializer<std::map<gib::Layer, gib::ImageError>, void> {
     static void to_json(json& j, const std::map<gib::Layer, gib::ImageError>& errors) {
         j = json::object();
-        for (const auto& [layer, error] : errors) {
-            json& record = j[std::string(gib::name_of(layer))] = error;
-            record["energy"] = gib::number_to_json(error.energy);
-        }
+        for (const auto& [layer, error] : errors)
+            j[std::string(gib::name_of(layer))] = error;
     }
     static void from_json(const json& j, std::map<gib::Layer, gib::ImageError>& errors) {
         for (const auto& [name, error] : j.items())
-            if (const auto layer = gib::layer_named(name)) {
-                errors[*layer] = error.get<gib::ImageError>();
-                if (const auto energy = error.find("energy");
-                    energy != error.end())  // not in records of older versions
-                    errors[*layer].energy = gib::number_from_json(*energy);
-            }
+            if (const auto layer = gib::layer_named(name)) errors[*layer] = error.get<gib::ImageError>();
     }
 };
 
