@@ -1,5 +1,5 @@
 #pragma once
-// What changes the meaning of the numbers of a scene and not its images. Numbers of two runs are compared only if all of it is
+// Quantities that change the meaning of the numbers of a scene, not its images. Numbers of two runs are compared only if all of it is
 // alike: `gibench compare-runs`, `--repeat`, and gibench.unlike() in Python, which reads the list from manifest.json.
 
 #include "experiments/results/result_folder.h"

@@ -1,4 +1,4 @@
-// What methods find of a pencil of light, against its closed form, and which components their plans name as incomplete.
+// Pencils of light: images against the closed form, and the components that plans name as incomplete.
 
 #include "methods/parts/transport/delta_paths.h"
 #include "tests/support/scene_fixtures.h"
