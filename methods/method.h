@@ -164,6 +164,8 @@ struct MethodDescription {
     /// Time of a ray or camera sample, with all that belongs to it, over that of `path`: the median of five scenes, rounded.
     /// References share their work by it.
     double ray_cost = 1;
+    /// Whether each of its samples starts at the camera and lights its own pixel alone, so that pixels are independent.
+    bool samples_pixels_alone = false;
     bool stores_light = false;  ///< its runs have a stored_light() of their own
 };
 

@@ -313,6 +313,18 @@ AreaLight::AreaLight(std::uint32_t shape_index, const Shape& of, const Texture& 
 
 Colord power_of(const Light& light) { return std::visit(PowerOf(), light); }
 
+double brightest_radiance(const std::vector<Light>& lights) {
+    double largest = 0;
+    for (const Light& light : lights) {
+        const auto* area = std::get_if<AreaLight>(&light);
+        const auto* constant = std::get_if<ConstantEnvironment>(&light);
+        if (std::holds_alternative<MappedEnvironment>(light) || (area && area->texture))
+            return std::numeric_limits<double>::infinity();
+        if (area || constant) largest = std::max(largest, double{(area ? area->radiance : constant->radiance).mean()});
+    }
+    return largest;
+}
+
 std::optional<LightSample> sample_light(const Light& light, const std::vector<Shape>& shapes, const Vec3& p,
                                         const Vec2& u) {
     return std::visit(LightSampler{shapes, p, u}, light);

@@ -121,6 +121,10 @@ struct EmissionSample {
 /// Emitted power [W] per channel; for lights at infinity the power that passes the scene's bounding sphere.
 Colord power_of(const Light& light);
 
+/// The largest radiance that the lights emit towards a ray that finds them by chance, mean of the channels [W/(sr m^2)]: 0 for
+/// delta lights, infinite where an image gives the radiance.
+double brightest_radiance(const std::vector<Light>& lights);
+
 /// Samples the light as seen from p: uniformly over its area; for a sphere seen from outside, over the cone of its
 /// directions; for a map, with EnvironmentMap's density. pdf_w does not include the choice of the light. Empty if the
 /// light cannot be seen from p.

@@ -10,6 +10,7 @@
 #include "experiments/analysis/warnings.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
+#include "experiments/metrics/energy_test.h"
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/results/judgement.h"
@@ -84,8 +85,31 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     row.footing = equal_footing(images, reference, r_total);
+    if (!row.floor_known) {
+        // The reference's noise counts as bias in all of these.
+        row.statistics->bias2.reset();
+        row.statistics->rel_bias2.reset();
+        row.bias.clear();
+    }
     add_curve_numbers(row, replicates.cells);
     return row;
+}
+
+/// Whether the images of a method that is unbiased by theory contradict this; `unmet` is the energy of unmet light. The level is
+/// shared by all rows that the table can have (Bonferroni).
+void test_energy(TableRow& row, const ResultIndex& index, const Judgement& judgement, const std::vector<Image>& images,
+                 const ReferenceLayer& reference, const Components& left_out, double unmet) {
+    if (!row.footing || !is_unbiased_by_theory(row, left_out)) return;
+    const std::size_t rows = index.scenes.size() * index.methods.size() * (component_count + 1);
+    const SampledLight sampled{.passes = row.least_passes,
+                               .brightest = judgement.brightest_light(),
+                               .pixels_alone = find_method(MethodLabel::parse(row.method).name).samples_pixels_alone};
+    const auto test =
+        energy_test(images, sampled, reference, *row.footing, unmet, energy_alpha / static_cast<double>(rows));
+    if (!test || !test->is_rejected) return;
+    row.contradicted_in = {row.layer};
+    row.footing->excess = test->excess;
+    row.footing->verdict = FootingVerdict::differs;
 }
 
 /// The mean FLIP of the replicates; empty if one of them has no FLIP value.
@@ -123,12 +147,19 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
             rows.push_back(judged_row(replicates, index, layer_of(c), images, *reference, denominators, quality));
             if (left_out.has(c)) continue;
             const Image unmet = unmet_light(images, reference->mean);
-            allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
+            const double unmet_energy = allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
+            test_energy(rows.back(), index, judgement, images, *reference, left_out, unmet_energy);
             for (std::size_t i = 0; i < unmet.rgb.size(); ++i)
                 all_unmet.rgb[i] += unmet.rgb[i];
         } else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
     }
-    if (!judgement.is_empty()) allow_for_unmet_light(rows.front(), totals, all_unmet, judgement.total(), denominators);
+    if (judgement.is_empty()) return rows;
+    TableRow& total = rows.front();
+    const double unmet_energy = allow_for_unmet_light(total, totals, all_unmet, judgement.total(), denominators);
+    test_energy(total, index, judgement, totals, judgement.total(), left_out, unmet_energy);
+    for (std::size_t i = 1; i < rows.size(); ++i)
+        total.contradicted_in.insert(total.contradicted_in.end(), rows[i].contradicted_in.begin(),
+                                     rows[i].contradicted_in.end());
     return rows;
 }
 
@@ -258,7 +289,8 @@ std::vector<Contradiction> contradicted_by(const Replicates& replicates, const R
     std::vector<Component> unbiased_for;
     const bool is_other = !has_made(MethodLabel::parse(method).name, reference);
     for (const Component c : all_components)
-        if (is_other && is_unbiased(plain_row(replicates, index, layer_of(c)), left_out)) unbiased_for.push_back(c);
+        if (is_other && is_unbiased_by_theory(plain_row(replicates, index, layer_of(c)), left_out))
+            unbiased_for.push_back(c);
     return contradictions(reference, replicates.images, unbiased_for);
 }
 
@@ -292,7 +324,7 @@ SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& refere
     for (TableRow& row : all.rows) {
         const Components left_out = analysis.index.left_out_by(quality.scene, row.method).components;
         row.components_missing = light.holding_light(left_out);
-        row.is_unbiased = is_unbiased(row, left_out);
+        row.is_unbiased = row.contradicted_in.empty() && is_unbiased_by_theory(row, left_out);
         drop_intervals_of_equal_images(row, equal.count(row.method) > 0);
     }
     all.unjudged = light.holding_light(Components(reference.unresolved));
@@ -359,6 +391,8 @@ void add_scene(const IndexScene& scene, Reference reference, const ResultFolder&
     }
     if (!rows.is_lit && !cells_by_method(analysis, scene.name).empty()) return drop_dark_scene(scene.name, analysis);
     if (const auto warning = unlike_processors(analysis.cells, scene.name)) analysis.warnings.push_back(*warning);
+    for (auto& warning : contradicted_declarations(analysis, scene.name))
+        analysis.warnings.push_back(std::move(warning));
     if (is_contradicted) return;
     for (auto& look : equal_time_looks(one_label_a_method(analysis), scene.name, Judgement(reference), folder))
         analysis.looks.push_back(std::move(look));

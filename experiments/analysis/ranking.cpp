@@ -1,5 +1,6 @@
 #include "experiments/analysis/ranking.h"
 
+#include "common/core/math.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/metrics/price_law.h"
 
@@ -56,10 +57,21 @@ void set_scatter(std::vector<Contender>& contenders) {
     }
 }
 
+std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& b) {
+    std::vector<VarianceTerm> terms = a.scatter;
+    terms.insert(terms.end(), b.scatter.begin(), b.scatter.end());
+    if (a.pulls.size() != b.pulls.size() || a.pulls.size() < 2) return terms;
+    const auto m = static_cast<double>(a.pulls.size());
+    double squares = 0;
+    for (std::size_t g = 0; g < a.pulls.size(); ++g)
+        squares += sqr(a.pulls[g] - b.pulls[g]);
+    terms.push_back({squares / (m * (m - 1)), m - 1});
+    return terms;
+}
+
 bool are_told_apart(const Contender& better, const Contender& worse) {
-    std::vector<VarianceTerm> terms = better.scatter;
-    terms.insert(terms.end(), worse.scatter.begin(), worse.scatter.end());
-    return better.mean < worse.mean && worse.log_mean - better.log_mean > half_width(terms, tie_tail);
+    return better.mean < worse.mean &&
+           worse.log_mean - better.log_mean > half_width(difference_terms(better, worse), tie_tail);
 }
 
 std::vector<Contender> ranked(std::vector<Contender> contenders) {
@@ -121,6 +133,7 @@ Contender Contest::contender(const std::string& method, const Runs& cells) const
     return {
         .method = method,
         .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
+        .pulls = row && row->statistics ? row->statistics->pulls : std::vector<double>(),
         .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
         .first_image = first_image_of_all(cells)};
 }

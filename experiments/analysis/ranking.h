@@ -7,6 +7,11 @@
 // have D = sum (n_i - 1) degrees of freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally
 // noisy, though. So the mean of method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is
 // larger, besides it (s_i^2 - s^2) / n_i with its own n_i - 1. Of a light that no seed has met, scatter knows nothing.
+//
+// All methods are compared with one reference R = r + h. Its noise h favours those methods whose images err in its direction: to
+// first order it changes log E_i, E_i = mean w (x_i - R)^2, by u_i = -2 mean w (x_i - R) h / E_i. So the difference of two methods
+// has the variance of u_i - u_j besides, which the scatter over the reference's m groups gives with m - 1 degrees of freedom.
+// The logarithms of times shift by as much as those of errors, because squared errors fall as 1 / time.
 
 #include "experiments/analysis/curves.h"
 #include "experiments/metrics/statistics.h"
@@ -39,6 +44,7 @@ struct Contender {
     Known known = Known::equal;
     bool is_complete = true;              ///< whether it has all light
     std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
+    std::vector<double> pulls = {};       ///< ReplicateStatistics::pulls
     double ended = 0;                     ///< mean time of the runs [s]
     double first_image = 0;               ///< time after which all runs have an image [s]
     // Set by ranked() and set_scatter():
@@ -53,6 +59,9 @@ inline constexpr double tie_tail = 0.02;
 
 /// Sets what the seeds of all contenders together tell of the scatter of each: `log_mean` and `scatter`.
 void set_scatter(std::vector<Contender>& contenders);
+
+/// The variances of the difference of two logarithms: by the scatter of both, and by the noise of the reference.
+std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& b);
 
 /// Whether `better` is smaller than `worse` for sure (half_width()). One seed tells nothing.
 bool are_told_apart(const Contender& better, const Contender& worse);

@@ -153,7 +153,7 @@ Field next_halving_field(const TableRow& row) {
 Field floor_field(const TableRow& row) {
     if (!row.law) return {};
     if (row.is_unbiased) return {State::unbiased};
-    if (!row.law->floor.interval) return {State::cannot_be_told};
+    if (!row.floor_known || !row.law->floor.interval) return {State::cannot_be_told};
     Estimate floor = row.law->floor;
     // The runs have been below the fitted floor's bound where they scatter.
     if (row.statistics && row.statistics->rel_mse_corrected > floor.value)
@@ -229,7 +229,7 @@ Field bias_share_field(const TableRow& row) {
                     Unit::share);
 }
 
-bool is_unbiased(const TableRow& row, const Components& components_left_out) {
+bool is_unbiased_by_theory(const TableRow& row, const Components& components_left_out) {
     const MethodLabel label = MethodLabel::parse(row.method);
     const auto& methods = method_registry();
     const auto method = std::ranges::find_if(methods, [&](const auto& m) { return m.name == label.name; });

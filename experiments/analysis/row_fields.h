@@ -60,10 +60,11 @@ Field variance_field(const TableRow& row);
 /// The share of bias^2 in the squared relative error, with the interval of the relative bias^2.
 Field bias_share_field(const TableRow& row);
 
-/// Whether bias^2 of this row is 0 by theory, so that all of its error is variance. The method has to declare itself
+/// Whether bias^2 of this row is 0 by theory, so that all of its error is variance, unless the images contradict it
+/// (TableRow::contradicted_in). The method has to declare itself
 /// unbiased, and it has to sample every path of the component, or of all components for the row of the total: its label
 /// sets no max_depth, no effect and none of these components is left out, and no sample was dropped because it was not
 /// finite.
-bool is_unbiased(const TableRow& row, const Components& components_left_out);
+bool is_unbiased_by_theory(const TableRow& row, const Components& components_left_out);
 
 }  // namespace gib

@@ -52,12 +52,15 @@ struct TableRow {
     std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< those that hold light and of which the method leaves out paths
-    bool is_unbiased = false;            ///< bias^2 is 0 by theory (row_fields.h)
-    double unmet = 0;                    ///< squared relative error that is light which no seed has met (unmet_light.h)
-    bool has_times = true;               ///< false: its curves were measured with light that is no longer judged
-    bool is_external = false;            ///< rendered by the command of another renderer
-    bool floor_known = true;             ///< false: the reference has no standard error, and noise_floor is 0
-    std::set<std::string> cpus = {};     ///< names of the processors that measured the seeds
+    bool is_unbiased = false;            ///< bias^2 is 0 by theory (row_fields.h), and no energy contradicts that
+    /// Layers of the method in which it declares itself unbiased, but has another mean energy than the reference (energy_test.h):
+    /// that of the row itself, in the row of the total those of all rows.
+    std::vector<Layer> contradicted_in = {};
+    double unmet = 0;                 ///< squared relative error that is light which no seed has met (unmet_light.h)
+    bool has_times = true;            ///< false: its curves were measured with light that is no longer judged
+    bool is_external = false;         ///< rendered by the command of another renderer
+    bool floor_known = true;          ///< false: the reference has no standard error, and noise_floor is 0
+    std::set<std::string> cpus = {};  ///< names of the processors that measured the seeds
 
     /// Whether the method has all light of the scene.
     bool is_complete() const { return effects_missing.empty() && components_missing.empty(); }
@@ -92,7 +95,15 @@ struct ReferenceQuality {
 
 /// A warning that a reader has to know before any number.
 struct Warning {
-    enum class Kind { no_light, busy_machine, unlike_processors, equal_images, reference_contradicted, energy_differs };
+    enum class Kind {
+        no_light,
+        busy_machine,
+        unlike_processors,
+        equal_images,
+        reference_contradicted,
+        declaration_contradicted,
+        energy_differs
+    };
     Kind kind;
     std::string scene;         ///< empty: it is about the whole experiment
     std::string sentence;      ///< without its full stop

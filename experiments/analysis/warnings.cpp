@@ -32,7 +32,9 @@ double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.
 /// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
 std::string signed_percent(const Estimate& e) {
     return fmt::format("{:+.2f} %", 100 * e.value) +
-           (e.interval ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * e.interval->lo, 100 * e.interval->hi) : "");
+           (e.interval
+                ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * std::max(e.interval->lo, -1.0), 100 * e.interval->hi)
+                : "");
 }
 
 std::string component_text(const TableRow& row) {
@@ -154,6 +156,24 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     if (run_command.empty()) warning.sentence += "; the same tuning into another folder (`--out`) measures anew";
     else warning.command = fmt::format("{}{} --fresh", run_command, only);
     return warning;
+}
+
+std::string contradiction(const Analysis& analysis, const TableRow& total) {
+    std::string text;
+    for (const Layer layer : total.contradicted_in)
+        if (const TableRow* row = analysis.row(total.scene, total.method, layer))
+            text += (text.empty() ? "" : ", ") + component_text(*row);
+    return "biased, although it is declared unbiased: mean energy against the reference's " + text;
+}
+
+std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene) {
+    std::vector<Warning> warnings;
+    for (const TableRow& row : analysis.rows)
+        if (row.scene == scene && row.layer == Layer::total && !row.contradicted_in.empty())
+            warnings.push_back({.kind = Warning::Kind::declaration_contradicted,
+                                .scene = scene,
+                                .sentence = fmt::format("{} is {}", row.method, contradiction(analysis, row))});
+    return warnings;
 }
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {

@@ -33,4 +33,10 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
 /// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.
 std::vector<Warning> footing_warnings(const Analysis& analysis);
 
+/// What contradicts a method that is declared unbiased, in the row of its total: "biased, although it is declared unbiased: mean
+/// energy against the reference's `indirect` -3.10 % (-3.80 to -2.40)".
+std::string contradiction(const Analysis& analysis, const TableRow& total);
+/// One for each method of a scene that is biased although it is declared unbiased.
+std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene);
+
 }  // namespace gib

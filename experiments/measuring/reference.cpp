@@ -422,7 +422,6 @@ private:
     }
 
     std::map<std::string, std::string> metadata() const {
-        const double share = dominance_of_one_group(result_.reference.total.groups);
         std::map<std::string, std::string> metadata = {
             {"reference_key", key_},
             {"scene", work_.scene.name},
@@ -437,7 +436,8 @@ private:
             {"glossy_roughness", fmt::format("{}", glossy_roughness)},
             {"relative_error", fmt::format("{:.6g}", result_.relative_error)},
             {"epsilon", fmt::format("{}", result_.epsilon)},
-            {"dominance_of_one_group", fmt::format("{:.3g}", share)},
+            {"dominance_of_one_group", fmt::format("{:.3g}", dominance_of_one_group(result_.reference.total.groups))},
+            {"brightest_light", fmt::format("{}", brightest_radiance(work_.scene.scene->lights()))},
             {"program", program_version()}};
         if (makers_.size() > 1) metadata["makers"] = text_of(shares_);
         if (groups_.dropped.count > 0) {

@@ -15,10 +15,6 @@ constexpr double tail = 0.01;  // probability of both tails together: 99 % inter
 constexpr double least_footing_share =
     0.01;  // share of the total's energy: darker components are measured against this
 
-double mean_energy(const Image& image) {
-    return std::accumulate(image.rgb.begin(), image.rgb.end(), 0.0) / static_cast<double>(image.rgb.size());
-}
-
 SampleMean mean_energies(const std::vector<Image>& images) {
     std::vector<double> energies;
     for (const Image& image : images)
@@ -35,17 +31,6 @@ SampleMean noisy_energy(const ReferenceLayer& reference) {
     const auto size = static_cast<double>(reference.standard_error->rgb.size());
     for (const float v : reference.standard_error->rgb)
         mean.variance.variance += sqr(static_cast<double>(v) / size);
-    return mean;
-}
-
-/// The same with the square of its bias in the variance.
-SampleMean reference_energy(const ReferenceLayer& reference) {
-    SampleMean mean = noisy_energy(reference);
-    for (const ReferenceLayer& layer : reference.bias) {
-        const SampleMean bias = noisy_energy(layer);
-        const double squared_bias = sqr(bias.value) - bias.variance.variance;
-        if (squared_bias > 0) mean.variance.variance += squared_bias;
-    }
     return mean;
 }
 
@@ -70,6 +55,20 @@ Footing compared(const SampleMean& method, const SampleMean& truth, double unit)
 }
 
 }  // namespace
+
+double mean_energy(const Image& image) {
+    return std::accumulate(image.rgb.begin(), image.rgb.end(), 0.0) / static_cast<double>(image.rgb.size());
+}
+
+SampleMean reference_energy(const ReferenceLayer& reference) {
+    SampleMean mean = noisy_energy(reference);
+    for (const ReferenceLayer& layer : reference.bias) {
+        const SampleMean bias = noisy_energy(layer);
+        const double squared_bias = sqr(bias.value) - bias.variance.variance;
+        if (squared_bias > 0) mean.variance.variance += squared_bias;
+    }
+    return mean;
+}
 
 std::string name_of(FootingVerdict verdict) {
     return verdict == FootingVerdict::agrees ? "agrees" : verdict == FootingVerdict::differs ? "differs" : "unresolved";

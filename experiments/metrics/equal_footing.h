@@ -19,6 +19,12 @@ enum class FootingVerdict {
 
 std::string name_of(FootingVerdict verdict);
 
+/// The mean over the pixels and channels of an image [W/(sr m^2)].
+double mean_energy(const Image& image);
+/// The mean energy of a reference. Its variance comes from the scatter of the groups, and holds the square of its bias. Without
+/// groups, the errors of pixels and channels are taken as independent; without a standard error the reference counts as exact.
+SampleMean reference_energy(const ReferenceLayer& reference);
+
 inline constexpr double footing_tolerance = 0.01;  ///< share of the mean energy that may differ
 /// Share of the mean energy, half the tolerance. A smaller difference is not worth a warning, even if it is certain.
 inline constexpr double footing_least = 0.005;

@@ -244,6 +244,7 @@ struct Moments {
     Table seeds;                 ///< n x n, <x_i - R, x_j - R>
     Table groups;                ///< m x m, <mean x - G_g, mean x - G_h>; empty without groups
     double shared_variance = 0;  ///< 4/(nm) Var<e_i, h_g>, which the scatter of seeds and that of groups both contain
+    std::vector<double> pulls;   ///< <mean x - R, G_g - R>
     PlainReference reference;
     Unseen unseen;
 };
@@ -283,8 +284,9 @@ Moments moments(const std::vector<Image>& replicates, const ReferenceLayer& refe
     result.groups = scatter + mean_of(result.seeds);
     double trace = 0;
     for (Eigen::Index g = 0; g < m; ++g) {
-        result.groups.row(g) -= mean_of(cross.col(g));
-        result.groups.col(g) -= mean_of(cross.col(g));
+        result.pulls.push_back(mean_of(cross.col(g)));
+        result.groups.row(g) -= result.pulls.back();
+        result.groups.col(g) -= result.pulls.back();
         trace += scatter(g, g);
     }
     const auto groups = static_cast<double>(m);
@@ -437,6 +439,8 @@ ReplicateStatistics replicate_statistics(const std::vector<Image>& replicates, c
     const double corrected = result.mse.value - plain.reference.variance - plain.reference.squared_bias;
     result.rmse_corrected = corrected < 0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(corrected);
     result.rel_mse_corrected = truth.rel_mse;
+    for (const double pull : relative.pulls)
+        if (truth.rel_mse > 0) result.pulls.push_back(-2 * pull / truth.rel_mse);
     if (replicates.size() > 1) {
         result.bias2 = bias2_of(plain, pair_mean(plain.seeds).value - plain.reference.variance);
         result.variance = variance_of(plain);

@@ -108,8 +108,7 @@ private:
 void judge(Pair& pair, double tail) {
     Change& change = pair.change;
     const double squares = change.of == Change::Of::seconds ? 1 : 2;  // contenders have squared errors
-    std::vector<VarianceTerm> terms = pair.before.scatter;
-    terms.insert(terms.end(), pair.after.scatter.begin(), pair.after.scatter.end());
+    const std::vector<VarianceTerm> terms = difference_terms(pair.before, pair.after);
     const double log_factor = (pair.after.log_mean - pair.before.log_mean) / squares;
     const double half = half_width(terms, tail) / squares;
     change.before = std::pow(pair.before.mean, 1 / squares);
@@ -229,6 +228,17 @@ void remark_missing(const Analysis& in, const Analysis& missing_in, const char* 
             comparison.remarks.push_back(fmt::format("{}, {}: only in the {} run", row.scene, row.method, which));
 }
 
+/// Says which methods have a bias although they are declared unbiased.
+void remark_contradicted(const Analysis& in, const char* which, RunComparison& comparison) {
+    for (const TableRow& row : in.rows)
+        if (row.layer == Layer::total && !row.contradicted_in.empty()) {
+            comparison.remarks.push_back(fmt::format("{}, {}: in the {} run {}", row.scene,
+                                                     row.name.empty() ? row.method : row.name, which,
+                                                     contradiction(in, row)));
+            comparison.has_contradictions = true;
+        }
+}
+
 Analysis analysis_in(const std::string& path) {
     Analysis analysis = analyse(ResultFolder(path));
     for (const std::string& what : analysis.damage)
@@ -321,6 +331,8 @@ RunComparison compare_runs(const Analysis& before, const Analysis& new_run) {
     for (const auto& [new_label, old_label] : changed)
         comparison.remarks.push_back(fmt::format("{}: its settings differ: `{}` in the old run, `{}` in the new run",
                                                  begin_of_name(before, old_label), old_label, new_label));
+    remark_contradicted(before, "old", comparison);
+    remark_contradicted(new_run, "new", comparison);
     remark_missing(before, after, "old", comparison);
     remark_missing(after, before, "new", comparison);
     return comparison;
@@ -364,7 +376,8 @@ int compare_runs(const CompareRunsOptions& options, std::ostream& out) {
     if (options.csv)
         for (const std::string& remark : comparison.remarks)
             std::cerr << remark << "\n";
-    const bool has_failed = comparison.changes.empty() || count_of(comparison, ChangeVerdict::worse) > 0;
+    const bool has_failed =
+        comparison.changes.empty() || comparison.has_contradictions || count_of(comparison, ChangeVerdict::worse) > 0;
     return options.fail_if_worse && has_failed ? exit_failed : 0;
 }
 

@@ -43,8 +43,10 @@ struct Change {
 };
 
 struct RunComparison {
-    std::vector<Change> changes;       ///< in the order of scenes, methods, error before seconds
-    std::vector<std::string> remarks;  ///< what is not compared, and why
+    std::vector<Change> changes;  ///< in the order of scenes, methods, error before seconds
+    std::vector<std::string>
+        remarks;  ///< what is not compared, and why; which methods are biased against their declaration
+    bool has_contradictions = false;  ///< TableRow::contradicted_in of one of the runs
 };
 
 /// Compares the totals of those cells that both runs have. A method whose settings have changed has another label; the labels
@@ -61,14 +63,14 @@ struct CompareRunsOptions {
     bool fail_if_worse = false;
 };
 
-/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at` passes) or
-/// `seconds` (to the relative RMSE `at`);
+/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at` passes) or `seconds` (to the relative RMSE `at`);
 /// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
 CsvTable change_table(const RunComparison& comparison);
 /// The numbers of each cell in words, the remarks, and a summary.
 std::string change_text(const RunComparison& comparison);
 
-/// Prints the changes. Returns 0, or 1 with `fail_if_worse` if a number is worse or nothing is compared.
+/// Prints the changes. Returns 0, or 1 with `fail_if_worse` if a number is worse, a method is biased against its declaration, or nothing is
+/// compared.
 int compare_runs(const CompareRunsOptions& options, std::ostream& out);
 
 }  // namespace gib

@@ -131,13 +131,13 @@ BiasMap relative_bias(const SceneFiles& files, const std::vector<const Cell*>& c
     }
     const auto& own = judgement.total().standard_error;
     const Image deviation = own ? reduced(*own, reduction) : Image(r.width, r.height);
-    constexpr double unknown = 1e4;  // of one seed
+    constexpr double unknown = 1e4;  // of one seed, and of a reference without a standard error
     BiasMap map;
     for (std::size_t p = 0; p < r.pixels(); ++p) {
         const SampleMean mean = sample_mean(values[p]);
         // The noise of the channels, and of the pixels that are averaged, is taken for dependent.
         const double of_reference = relative(p, [&](std::size_t i) { return double{deviation.rgb[i]}; });
-        const double half = half_width({mean.variance, {sqr(of_reference), INFINITY}}, interval_tail);
+        const double half = own ? half_width({mean.variance, {sqr(of_reference), INFINITY}}, interval_tail) : unknown;
         map.bias.push_back(static_cast<float>(mean.value));
         map.half_width.push_back(static_cast<float>(std::isfinite(half) ? std::min(half, unknown) : unknown));
     }

@@ -243,8 +243,9 @@ Section equal_section(const Analysis& analysis, std::string title, std::string s
 }
 
 Section equal_time_section(const Analysis& analysis) {
-    return equal_section(analysis, "At equal time",
-                         "After the whole time of the fastest method; the reference's own error is subtracted.", true);
+    return equal_section(
+        analysis, "At equal time",
+        "After the whole time of the fastest method; the reference's own error is subtracted where it is known.", true);
 }
 
 Section equal_passes_section(const Analysis& analysis) {
@@ -263,7 +264,7 @@ Section equal_passes_section(const Analysis& analysis) {
 Section frontier_section(const Analysis& analysis) {
     Section section{"Pareto frontier",
                     "The checkpoints that no other beats in both time and error, means over the seeds after equal "
-                    "passes; the reference's own error is subtracted.",
+                    "passes; the reference's own error is subtracted where it is known.",
                     {{"seconds"}, {"relative RMSE %"}, {"passes"}, words("method"), words("beside others")}};
     for (const FrontierPoint& p : pareto_frontier(analysis))
         section.rows.push_back({.scene = p.scene,
@@ -354,7 +355,8 @@ std::vector<Section> sections(const Analysis& analysis) {
         footing_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
-            "Seconds until the relative RMSE, the reference's own error subtracted, is at the percentage above; "
+            "Seconds until the relative RMSE, the reference's own error subtracted where it is known, is at the "
+            "percentage above; "
             "95 % intervals over the seeds. Measured times are means over the seeds, each of which has reached it."),
         crossover_section(analysis),
         row_section(analysis, in_laws, "What more accuracy costs",
@@ -369,7 +371,8 @@ std::vector<Section> sections(const Analysis& analysis) {
                     "error without them and the median over the pixels, by the plain formulas."),
         row_section(
             analysis, in_noise, "Bias and noise",
-            "The parts of the mean squared error of the final images, the reference's own variance subtracted, in "
+            "The parts of the mean squared error of the final images, the reference's own variance subtracted where it "
+            "is known, in "
             "absolute units, so that they do not add "
             "up to the square of the relative RMSE, of which the share is; and the noise's spatial frequencies."),
         equal_time_section(analysis),

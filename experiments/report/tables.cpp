@@ -98,7 +98,7 @@ struct Columns : std::vector<RowColumn> {
 /// Where bias^2 comes from: `unbiased` (0 by theory) or `measured`; empty if there is none.
 std::string bias_state(const TableRow& row) {
     if (!row.statistics || !row.statistics->bias2) return "";
-    return row.is_unbiased ? "unbiased" : "measured";
+    return row.is_unbiased ? "unbiased" : row.contradicted_in.empty() ? "measured" : "contradicted";
 }
 
 /// Whether the error of the whole image is that of few pixels.
@@ -168,7 +168,8 @@ void add_errors(Columns& c) {
     c.words(
         in_errors, "bias or noise", error_kind,
         "whether averaging many images would remove the error: bias^2 and its 95 % interval as shares of the square "
-        "of the relative RMSE; a method that is declared unbiased has noise alone");
+        "of the relative RMSE; a method that is declared unbiased has noise alone, unless its mean energy contradicts "
+        "that");
     c.number({"noise_centroid", "cycles per pixel", "mean spatial frequency of the noise; white noise has 0.38"},
              of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
     c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
@@ -268,7 +269,8 @@ void add_laws(Columns& c) {
     c.text({"bias_state", "",
             "`unbiased`: the method declares itself unbiased and samples every path of the row, so that bias^2 is 0 by "
             "theory and all error is variance; `bias2` keeps what the seeds say, whose interval misses 0 in one of "
-            "twenty rows. `measured`: `bias2` is all that is known. Empty: one seed"},
+            "twenty rows. `measured`: `bias2` is all that is known. `contradicted`: the same of a method that declares "
+            "itself unbiased, but has another mean energy than the reference, here or in a component. Empty: one seed"},
            bias_state);
     c.ends(corrected_column(), [](const TableRow& row) { return field_of(corrected_rel_mse(row)); });
     c.text({"external", "", "`yes`: an image of another renderer"},

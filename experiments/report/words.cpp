@@ -52,6 +52,13 @@ Field error_of(const Contender& c, const TableRow& total) {
     return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::not_judged};
 }
 
+std::string layer_names(const std::vector<Layer>& layers) {
+    std::string names;
+    for (const Layer layer : layers)
+        names += (names.empty() ? "" : ", ") + std::string(name_of(layer));
+    return names;
+}
+
 /// The layers whose mean energy differs from the reference's, "total, caustic".
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;
@@ -296,6 +303,8 @@ std::string csv_state(const Field& field) {
 std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
+    if (!row.contradicted_in.empty())
+        return "bias, although the method is declared unbiased: " + layer_names(row.contradicted_in);
     const Field share = bias_share_field(row);
     const auto [value, detail] = text_of(share, " %");
     switch (share.state) {
@@ -313,6 +322,7 @@ std::string error_kind(const TableRow& row) {
                                              : fmt::format("{}noise; bias is {} of the squared error, {}",
                                                            share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
         case State::cannot_be_told:
+            if (!row.floor_known) return "no standard error: bias and noise cannot be separated";
             return row.statistics->rel_bias2 && row.statistics->rel_bias2->interval
                        ? "bias or noise: not resolved"
                        : "bias or noise: two seeds would tell";

@@ -34,7 +34,7 @@ std::string left_out(const TableRow& row);
 
 /// Whether the error of the final images is bias or noise: "noise; bias below 16 % of the squared error", "bias: 63 % of
 /// the squared error, 51 to 75". The shares are bias^2 and its 95 % interval, over bias^2 + variance. For a method that
-/// is declared unbiased and leaves out nothing: "noise: the method is unbiased". Empty if the layer is not judged.
+/// is declared unbiased and leaves out nothing: "noise: the method is unbiased", unless its mean energy contradicts that. Empty if the layer is not judged.
 std::string error_kind(const TableRow& row);
 
 /// "tie with `a`, `b`", "one seed does not tell", "not run longer: `c`"; empty if there are none.

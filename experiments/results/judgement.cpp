@@ -1,5 +1,7 @@
 #include "experiments/results/judgement.h"
 
+#include "common/core/number_text.h"
+
 #include <algorithm>
 
 namespace gib {
@@ -69,6 +71,10 @@ Image Judgement::total_of(const LayeredImage& file) const {
     const Image* sum = file.find("");
     const bool has_parts = std::ranges::any_of(parts.parts, [](const auto& p) { return p.has_value(); });
     return has_parts || !sum ? total_of(parts) : *sum;
+}
+
+std::optional<double> Judgement::brightest_light() const {
+    return number_from<double>(attribute_in(reference_.metadata, "brightest_light"));
 }
 
 const Denominators& Judgement::denominators(double epsilon) const {

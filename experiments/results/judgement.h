@@ -37,6 +37,8 @@ public:
     /// Whether total() is only a part of the image, so that an image without components cannot be compared with it.
     bool leaves_out_components() const { return !reference_.unresolved.empty(); }
 
+    /// The brightest radiance that light paths can find by chance [W/(sr m^2)], as the reference's file has it.
+    std::optional<double> brightest_light() const;
     /// The epsilon of the relative errors of all layers, from what is given (epsilon_of()) [radiance^2].
     double epsilon(const std::optional<double>& given) const {
         return epsilon_of(given, (empty_ ? reference_.total : total()).mean);

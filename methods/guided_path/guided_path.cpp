@@ -177,6 +177,7 @@ MethodDescription describe_guided_path() {
         // made references no sooner, and made the pilots of all makers shorter (experiments/STUDIES.md).
         .makes_references = false,
         .ray_cost = 2,
+        .samples_pixels_alone = true,
         .stores_light = true,
     };
 }

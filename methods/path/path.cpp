@@ -64,6 +64,7 @@ MethodDescription describe_path() {
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = create_path,
+        .samples_pixels_alone = true,
     };
 }
 

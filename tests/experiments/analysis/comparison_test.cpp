@@ -203,24 +203,24 @@ TEST(Processors, OfARow) {
 }
 
 TEST(KnownBias, IsThatOfMethodsThatDeclareIt) {
-    EXPECT_TRUE(is_unbiased(row_of("path spp=16"), {}));
-    EXPECT_TRUE(is_unbiased(row_of("bidirectional spp=16", Layer::caustic), {}));
-    EXPECT_FALSE(is_unbiased(row_of("photon_mapper photons=1e4"), {}));
-    EXPECT_FALSE(is_unbiased(row_of("radiosity", Layer::indirect), {}));
-    EXPECT_FALSE(is_unbiased(row_of("a_method_of_an_older_program"), {}));
+    EXPECT_TRUE(is_unbiased_by_theory(row_of("path spp=16"), {}));
+    EXPECT_TRUE(is_unbiased_by_theory(row_of("bidirectional spp=16", Layer::caustic), {}));
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("photon_mapper photons=1e4"), {}));
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("radiosity", Layer::indirect), {}));
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("a_method_of_an_older_program"), {}));
 }
 
 TEST(KnownBias, NeedsEveryPathOfTheComponent) {
-    EXPECT_FALSE(is_unbiased(row_of("path spp=16"), {Component::caustic}));
-    EXPECT_FALSE(is_unbiased(row_of("path spp=16", Layer::caustic), {Component::caustic, Component::volume}));
-    EXPECT_TRUE(is_unbiased(row_of("path spp=16", Layer::direct), {Component::caustic, Component::volume}));
-    EXPECT_FALSE(is_unbiased(row_of("path max_depth=3 spp=16"), {})) << "shorter paths than the reference";
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("path spp=16"), {Component::caustic}));
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("path spp=16", Layer::caustic), {Component::caustic, Component::volume}));
+    EXPECT_TRUE(is_unbiased_by_theory(row_of("path spp=16", Layer::direct), {Component::caustic, Component::volume}));
+    EXPECT_FALSE(is_unbiased_by_theory(row_of("path max_depth=3 spp=16"), {})) << "shorter paths than the reference";
     TableRow row = row_of("path spp=16");
     row.nonfinite = 1;
-    EXPECT_FALSE(is_unbiased(row, {})) << "a dropped sample";
+    EXPECT_FALSE(is_unbiased_by_theory(row, {})) << "a dropped sample";
     row = row_of("path spp=16");
     row.effects_missing = {Effect::caustics};
-    EXPECT_FALSE(is_unbiased(row, {}));
+    EXPECT_FALSE(is_unbiased_by_theory(row, {}));
 }
 
 // The columns of bias^2 keep the measured values; a column of its own says that theory knows better.

@@ -173,6 +173,26 @@ TEST(CompareRuns, UnlikeQuantitiesAreSaidAndNotCompared) {
     EXPECT_THAT(noted.remarks, ElementsAre("box: the reference was path, target 1 % and is path, target 5 %"));
 }
 
+TEST(CompareRuns, BiasAgainstADeclarationIsSaid) {
+    std::mt19937_64 random(8);
+    const Analysis before = simulated_run(3, random);
+    Analysis after = before;
+    EXPECT_FALSE(compare_runs(before, after).has_contradictions);
+    TableRow& total = after.rows.front();
+    TableRow indirect = total;
+    total.contradicted_in = {Layer::indirect};
+    indirect.layer = Layer::indirect;
+    indirect.footing.emplace();
+    indirect.footing->excess = {-0.03, Interval{-0.035, -0.025}};
+    after.rows.push_back(indirect);
+    const RunComparison comparison = compare_runs(before, after);
+    EXPECT_TRUE(comparison.has_contradictions);
+    EXPECT_THAT(comparison.remarks,
+                ElementsAre("box, a: in the new run biased, although it is declared unbiased: mean energy against the "
+                            "reference's `indirect` -3.00 % (-3.50 to -2.50)"));
+    EXPECT_EQ(error_kind(after.rows.front()), "bias, although the method is declared unbiased: indirect");
+}
+
 TEST(CompareRuns, OtherMachinesScenesAndMethodsAreSaid) {
     std::mt19937_64 random(8);
     const Analysis before = simulated_run(3, random, 10);

@@ -109,8 +109,8 @@ TEST(Tables, ShowEveryMemberOfARow) {
     analysis.rows.resize(1);
     auto& [scene, method, name, layer, seeds, seconds, prepare_seconds, least_passes, most_passes, statistics, robust,
            noise, bias, times, reached, footing, law, last_halving, nonfinite, peak_rss_mib, effects_missing,
-           noise_floor, flip, epsilon, components_missing, is_unbiased, unmet, has_times, is_external, floor_known,
-           cpus] = analysis.rows[0];
+           noise_floor, flip, epsilon, components_missing, is_unbiased, contradicted_in, unmet, has_times, is_external,
+           floor_known, cpus] = analysis.rows[0];
     int number = 0;
     const auto expect_shown = [&](auto& member, auto value) {
         const auto text = [&] { return error_table(analysis).text() + spectra_table(analysis).text(); };
@@ -145,6 +145,7 @@ TEST(Tables, ShowEveryMemberOfARow) {
     expect_shown(epsilon, 0.02);
     expect_shown(components_missing, Components({Component::caustic}));
     statistics->bias2 = Estimate{1, {}};
+    expect_shown(contradicted_in, std::vector<Layer>({Layer::caustic}));
     expect_shown(is_unbiased, true);
     expect_shown(unmet, 0.5);
     expect_shown(has_times, false);

@@ -1,0 +1,90 @@
+// Notation: n images of p passes and N pixels; X the mean of their energies, a sum of independent contributions x >= 0 of single
+// samples; R the reference's energy; D = R - X - unmet the light that is missing.
+//
+// For contributions that are not negative, P(E X - X >= D) <= exp(-D^2 / (2 sum E x^2)) (Maurer 2003, "A bound on the deviation
+// probability for sums of non-negative random variables"). No upper bound of x is needed, but the second moments are, and the scatter
+// of the images knows only those of the samples that occurred. Let x <= s for all samples. Contributions that are too rare to occur
+// have the mean energy D at most, so that their second moments add s D at most:
+//     D^2 >= z^2 V + 2 ln(1 / alpha) s D
+// where V is the variance of X and of R, and z the quantile at alpha. Rare bright light whose samples are as large as s cannot be
+// told from a loss unless D holds more than 2 ln(1 / alpha) of them. This is why the test does not accuse a path tracer that has not
+// yet found a small lamp.
+//
+// s is the largest of three sizes, each as a part of X. (1) Twice the brightest emitted radiance: combined with multiple importance
+// sampling, a path brings its throughput times the radiance at most, and roulette and guiding may raise a throughput above 1.
+// (2) The largest excess of a pixel over the reference, as if one sample had made it. (3) The variance of the images' energies over
+// their mean: the mean size, weighed by size, of events that light many pixels (compound Poisson process).
+//
+// V: where every sample lights its own pixel alone, pixels are independent, and the scatter within pixels tells V with thousands of
+// degrees of freedom. Else V is the scatter of the images' energies with n - 1 of them.
+#include "experiments/metrics/energy_test.h"
+
+#include "common/core/math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gib {
+
+namespace {
+
+constexpr double largest_throughput = 2;
+
+/// The mean of the channels of one pixel.
+double pixel_energy(const Image& image, std::size_t pixel) {
+    return (double{image.rgb[3 * pixel]} + double{image.rgb[3 * pixel + 1]} + double{image.rgb[3 * pixel + 2]}) / 3;
+}
+
+/// The variance of the images' mean energy by the scatter within pixels, and the largest excess of a pixel over the reference.
+struct PixelScatter {
+    double variance = 0, largest_excess = 0;
+};
+
+PixelScatter pixel_scatter(const std::vector<Image>& images, const Image& reference) {
+    const auto n = static_cast<double>(images.size()), pixels = static_cast<double>(reference.pixels());
+    PixelScatter scatter;
+    for (std::size_t pixel = 0; pixel < reference.pixels(); ++pixel) {
+        double mean = 0, squares = 0;
+        for (const Image& image : images)
+            mean += pixel_energy(image, pixel) / n;
+        for (const Image& image : images) {
+            squares += sqr(pixel_energy(image, pixel) - mean);
+            scatter.largest_excess =
+                std::max(scatter.largest_excess, pixel_energy(image, pixel) - pixel_energy(reference, pixel));
+        }
+        scatter.variance += squares / (n * (n - 1) * sqr(pixels));
+    }
+    return scatter;
+}
+
+}  // namespace
+
+std::optional<EnergyTest> energy_test(const std::vector<Image>& images, const SampledLight& sampled,
+                                      const ReferenceLayer& reference, const Footing& footing, double unmet,
+                                      double alpha) {
+    if (images.size() < 2 || !sampled.brightest) return std::nullopt;
+    if (reference.groups.size() < 2 && !reference.standard_error) return std::nullopt;
+    const SampleMean truth = reference_energy(reference);
+    const VarianceTerm& of_images = footing.energy.variance;
+    const double missing = truth.value - footing.energy.value - unmet;
+    if (!std::isfinite(missing) || !(of_images.variance > 0)) return std::nullopt;
+    const PixelScatter scatter = pixel_scatter(images, reference.mean);
+    const VarianceTerm own =
+        sampled.pixels_alone ? VarianceTerm{scatter.variance, std::numeric_limits<double>::infinity()} : of_images;
+    const double shares = static_cast<double>(images.size() * reference.mean.pixels());
+    const double sample = std::max(largest_throughput * *sampled.brightest / sampled.passes, scatter.largest_excess);
+    const double event = std::max(sample / shares, of_images.variance / footing.energy.value);
+    const double rare = -2 * std::log(alpha) * event;
+    const double square = sqr(half_width({own, truth.variance}, 2 * alpha));
+    // The roots of D^2 = square + rare D bound what may be missing by chance.
+    const double least = rare / 2 + std::sqrt(sqr(rare / 2) + square);
+    EnergyTest test;
+    const double excess = footing.excess.value;
+    test.excess = {excess,
+                   Interval{excess - std::sqrt(square) / footing.unit, excess + (least + unmet) / footing.unit}};
+    test.is_rejected = missing > least && missing > unmet && missing >= footing_least * footing.unit;
+    return test;
+}
+
+}  // namespace gib
