@@ -15,11 +15,12 @@ constexpr double hopeless = 4;
 
 SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTimes& measure) {
     std::vector<Setting> alive = space.cover(static_cast<int>(settings_per_axis * space.axes().size()));
-    const double rounds = std::max(1.0, std::ceil(std::log2(static_cast<double>(alive.size()))));
+    const double rounds = std::max(1.0, std::floor(std::log2(static_cast<double>(alive.size()))));
     double best_measured = std::numeric_limits<double>::infinity();
     SearchOutcome outcome;
-    for (std::uint64_t round = 0; (round == 0 || alive.size() > 1) && !outcome.is_cut; ++round) {
-        const double budget = std::min(seconds / (rounds * static_cast<double>(alive.size())), 2 * best_measured);
+    const double first_budget = seconds / (rounds * static_cast<double>(alive.size()));
+    for (std::uint64_t round = 0; round == 0 || alive.size() > 1; ++round) {
+        const double budget = std::min(std::exp2(round) * first_budget, 2 * best_measured);
         const auto times = measure(alive, round, budget);
         std::vector<Trial> trials;
         for (std::size_t i = 0; i < alive.size(); ++i) {
@@ -32,7 +33,8 @@ SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTime
             if (trial.time.is_measured) best_measured = std::min(best_measured, trial.time.seconds);
             std::erase_if(outcome.trials, [&](const Trial& t) { return t.setting == trial.setting; });
             const bool is_hopeless = trial.time.cost() > hopeless * trials.front().time.cost();
-            if (alive.size() < (trials.size() + 1) / 2 && !is_hopeless) alive.push_back(trial.setting);
+            if (alive.size() < std::max<std::size_t>(1, trials.size() / 2) && !is_hopeless)
+                alive.push_back(trial.setting);
         }
         outcome.trials.insert(outcome.trials.begin(), trials.begin(), trials.end());
     }

@@ -42,8 +42,9 @@ struct SearchOutcome {
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
 
-/// Each round keeps the better half and has the same time, `seconds` divided among rounds and settings. A round drops settings
-/// whose laws place them four times behind the best. No budget is larger than twice the best time measured so far.
+/// Each round keeps the better half of what it has measured and doubles the budget, so that all rounds of the whole cover take
+/// `seconds` together. A round drops settings whose laws place them four times behind the best. No budget is larger than twice the
+/// best time measured so far.
 SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTimes& measure);
 
 /// Settings of the cover for each axis, besides the defaults.

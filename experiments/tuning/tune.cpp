@@ -22,15 +22,17 @@ namespace gib {
 
 namespace {
 
-/// Shares of the whole time: of the reference, of a reference that does not resolve the target by then, and of the search.
-constexpr double reference_share = 0.25, latest_reference_share = 0.5, search_share = 0.4;
+/// Shares of the whole time: of the reference, and of a reference that does not resolve the target by then. The search has its share
+/// of what the reference leaves, or would leave if it took all of its time.
+constexpr double reference_share = 0.25, latest_reference_share = 0.5, search_share = 0.6;
 
 /// Each round of the search has the next seed from the first one on, because the best of many settings is partly the luckiest
 /// with the seed that chose it. The final runs judge by seeds that have chosen nothing, 1 to final_seeds. Their budgets leave time
 /// for at least fewest_seeds.
 constexpr std::uint64_t first_search_seed = 1001, final_seeds = 5, fewest_seeds = 3;
-/// Share of the search's time for the charged seconds of its runs. The rest is for processes, loading and comparison.
-constexpr double charged_share = 0.6;
+/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison. What the
+/// first round has measured by its end is the cover.
+constexpr double charged_share = 0.6, first_round_end = 0.7;
 /// Final runs may take this many times as long as the target is expected to take, because seeds and the load of the machine
 /// differ.
 constexpr double ample = 2;
@@ -80,8 +82,9 @@ public:
             std::cerr << words << "\n";
             return exit_failed;
         }
+        const double left = std::min(1 - reference_share, 1 - runs_.used() / seconds());
         for (std::size_t m = 0; m < result_.methods.size(); ++m)
-            search_method(m);
+            search_method(m, search_share * left * seconds());
         std::ranges::stable_sort(result_.finals, {}, &FinalSetting::budget);
         measure_finals();
         result_.used_seconds = runs_.used();
@@ -95,23 +98,23 @@ public:
 private:
     double seconds() const { return 60 * result_.minutes; }
     /// The longest time that the best settings of one method can have for a final run, if the search leaves nothing.
-    double horizon() const { return (1 - reference_share - search_share) * seconds() / (2 * fewest_seeds); }
+    double horizon() const { return (1 - reference_share) * (1 - search_share) * seconds() / (2 * fewest_seeds); }
     static double weight(const TunedMethod& method) {
         return static_cast<double>(1 + settings_per_axis * method.space.axes().size());
     }
 
-    void search_method(std::size_t m) {
+    void search_method(std::size_t m, double seconds_of_all) {
         TunedMethod& method = result_.methods[m];
         double all = 0;
         for (const TunedMethod& other : result_.methods)
             all += weight(other);
-        const double share = search_share * seconds() * weight(method) / all, deadline = runs_.used() + share;
+        const double share = seconds_of_all * weight(method) / all, begin = runs_.used();
         const auto measure = [&](const auto& settings, std::uint64_t round, double budget) {
             std::vector<TuningRuns::Wanted> wanted;
             for (const Setting& setting : settings)
                 wanted.push_back({method.space.label(setting), first_search_seed + round, budget});
             std::vector<std::optional<TimeEstimate>> times;
-            const auto runs = runs_.measured(wanted, deadline);
+            const auto runs = runs_.measured(wanted, begin + (round == 0 ? first_round_end : 1) * share);
             for (std::size_t i = 0; i < runs.size(); ++i) {
                 const auto& [cell, is_left_out] = runs[i];
                 if (cell) times.push_back(estimated_time(*cell, target_, horizon()));
