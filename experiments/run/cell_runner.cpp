@@ -107,10 +107,8 @@ CellResult CellRunner::render(const WorkCell& cell, const std::string& work_fold
         };
     };
     if (cell.external) {
-        const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
         return run_external_cell(command_cell(*cell.external),
                                  {.scene_file = scene.entry.path,
-                                  .scene_text = in_povray_form ? scene.povray : "",
                                   .seed = identity.seed,
                                   .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
                                   .seconds = identity.budget.seconds});
