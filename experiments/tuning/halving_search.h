@@ -37,7 +37,7 @@ using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(cons
 
 struct SearchOutcome {
     /// The latest trial of every setting that was measured, the best first; trials of longer runs stand before those that
-    /// were given up earlier.
+    /// were given up earlier. A time that several rounds have measured is their geometric mean.
     std::vector<Trial> trials = {};
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
@@ -48,6 +48,6 @@ struct SearchOutcome {
 SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTimes& measure);
 
 /// Settings of the cover for each axis, besides the defaults.
-inline constexpr std::size_t settings_per_axis = 6;
+inline constexpr std::size_t settings_per_axis = 10;
 
 }  // namespace gib

@@ -72,10 +72,19 @@ TEST(HalvingSearch, HalvesTheSettingsAndDoublesTheBudget) {
     KnownTimes known;
     known.search(60);
     ASSERT_GE(known.rounds.size(), 3u);
-    EXPECT_EQ(known.rounds[0].size(), 13u) << "the defaults and six settings for each of two parameters";
+    EXPECT_EQ(known.rounds[0].size(), 21u) << "the defaults and ten settings for each of two parameters";
     EXPECT_EQ(known.rounds[0].front(), known.space.defaults()) << "the defaults are among them";
-    EXPECT_LE(known.rounds[1].size(), 7u);
+    EXPECT_LE(known.rounds[1].size(), 10u);
     EXPECT_NEAR(known.budgets[1], 2 * known.budgets[0], 1e-9);
+}
+
+// The time of a setting falls from round to round: 8 s, 4 s, 2 s, ...
+TEST(HalvingSearch, TimesOfSeveralRoundsAreTheirMean) {
+    const auto outcome = search(bowl(), 60, [](const auto& settings, std::uint64_t round, double) {
+        return std::vector<std::optional<TimeEstimate>>(settings.size(), TimeEstimate{8 / std::exp2(round), true});
+    });
+    EXPECT_NEAR(outcome.trials.front().time.seconds, 8 / std::exp2(1.5), 1e-9) << "of rounds 0 to 3";
+    EXPECT_NEAR(outcome.trials.back().time.seconds, 8, 1e-9);
 }
 
 TEST(HalvingSearch, StaysWithinItsTime) {
