@@ -12,7 +12,7 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 
 import browser_case  # noqa: E402  found by the line above
 from browser_case import BrowserCase, ROOT  # noqa: E402
-from photons_pages import Page  # noqa: E402
+from photons_pages import PAGES, Page  # noqa: E402
 from selenium import webdriver  # noqa: E402
 from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402

@@ -148,7 +148,7 @@ protected:
     TuneRun() {
         write("e.toml",
               "scenes = ['tiny.xml']\n[tune]\ntarget = '60%'\nminutes = 0.4\n"
-              "method = 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'\n"
+              "method = 'photon_mapper photons=1000 area=plain direct_samples=1 gather=8 cache=on accuracy=0.5'\n"
               "vary = 'k=20..100'\n");
     }
     static std::string last_line(const ProgramResult& result) { return lines_of(result.out).back(); }
@@ -172,7 +172,7 @@ TEST_F(TuneRun, AnExperimentWithTuneDoesWhatTheCommandDoes) {
     // The command finds everything stored, which takes no time, and so finds the same.
     const ProgramResult command = gibench(
         "tune tiny.xml --target 60% --minutes 0.4 --vary k=20..100 --out r/tiny "
-        "--method 'photon_mapper photons=1000 area=plain gather=8 cache=on accuracy=0.5'");
+        "--method 'photon_mapper photons=1000 area=plain direct_samples=1 gather=8 cache=on accuracy=0.5'");
     ASSERT_EQ(command.code, 0) << command.err;
     EXPECT_EQ("tiny:\n" + command.out, run_result.out);
     EXPECT_THAT(command.err, Not(HasSubstr("cell 1 of")));
