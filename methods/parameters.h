@@ -20,9 +20,6 @@ namespace gib {
 struct TuningSpan {
     double lower, upper;
     bool is_logarithmic = true;  ///< whether steps are factors, else differences
-    /// A parameter whose steps this one follows by the same factor, as the photons in an estimate follow those of the map,
-    /// so that the size of an estimate's disc stays; empty: none.
-    std::string follows = {};
 };
 
 /// The declaration of one parameter.

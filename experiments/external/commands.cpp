@@ -245,17 +245,10 @@ void measure_command(const std::string& request_file) {
 
 CellResult run_external_cell(const CommandCell& cell, const RendererInput& input) {
     const std::string work = absolute(cell.work_folder);
-    std::string scene = absolute(input.scene_file);
-    if (!input.scene_text.empty()) {
-        scene = work + "/scene.pov";
-        write_file(scene, input.scene_text);
-    }
-    std::map<std::string, std::string> values = {{"scene", scene},
-                                                 {"out", work + "/image." + cell.method.image_format},
-                                                 {"spp", std::to_string(input.spp)},
-                                                 {"seed", std::to_string(input.seed)},
-                                                 {"width", std::to_string(cell.width)},
-                                                 {"height", std::to_string(cell.height)}};
+    std::map<std::string, std::string> values = {
+        {"scene", absolute(input.scene_file)}, {"out", work + "/image." + cell.method.image_format},
+        {"spp", std::to_string(input.spp)},    {"seed", std::to_string(input.seed)},
+        {"width", std::to_string(cell.width)}, {"height", std::to_string(cell.height)}};
     if (input.seconds) values["seconds"] = fmt::format("{}", *input.seconds);
     const auto [image, cost] = image_by_command(cell, "its command", std::move(values));
     write_scratch_exr(checkpoint_image(cell.work_folder, input.spp), {{{"", image}}, {}});

@@ -48,7 +48,6 @@ struct CommandCell {
 /// The input of another renderer.
 struct RendererInput {
     std::string scene_file;  ///< the scene's own file
-    std::string scene_text;  ///< the scene in the form that the command takes; empty: the file as it is
     std::uint64_t seed = 1;
     std::uint32_t spp = 1;          ///< samples a pixel, if the command takes {spp}
     std::optional<double> seconds;  ///< value of {seconds}

@@ -2,18 +2,17 @@
 
 #include "common/color/dispersion.h"
 #include "common/scene/scene.h"
+#include "experiments/metrics/reference_image.h"
 #include "experiments/photons/surfaces.h"
 #include "experiments/report/report_pictures.h"
 #include "experiments/text/html.h"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 
 namespace gib {
@@ -26,8 +25,6 @@ using nlohmann::json;
 
 /// Triangles of the scene on a page, which take 9 MB in base64.
 constexpr std::size_t most_triangles = 160000;
-/// Cells of a field on a page, which take 11 MB in base64.
-constexpr std::size_t most_cells = 8000;
 /// Pixels whose values a page has: an image of them takes 160 kB in base64.
 constexpr int most_pixels = 10000;
 
@@ -40,7 +37,7 @@ public:
                                                   values.size() * sizeof(T));
         elements_.push_back({{"name", name}, {"text", base64(bytes)}});
     }
-    /// The same of what `of` makes of each item.
+    /// Adds of(item) for each item.
     template <typename Item, typename Of>
     void add(const std::string& name, const std::vector<Item>& items, const Of& of) {
         std::vector<decltype(of(items.front()))> values;
@@ -153,29 +150,6 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
     arrays.add("patch-indices", patches.patches);
 }
 
-/// The densities of each cell are relative to their peak, as square roots in bytes.
-json cells_json(const std::vector<RadianceField::Cell>& all, Arrays& arrays) {
-    std::vector<RadianceField::Cell> cells;
-    std::vector<std::uint8_t> densities;
-    std::vector<float> peaks;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        if (all.size() <= most_cells || is_at_step(i, all.size(), most_cells)) cells.push_back(all[i]);
-    for (const RadianceField::Cell& cell : cells) {
-        const float peak = std::ranges::max(cell.shares);
-        peaks.push_back(peak * static_cast<float>(cell.shares.size()) * 0.25f * inv_pi);
-        for (const float share : cell.shares)
-            densities.push_back(static_cast<std::uint8_t>(std::lround(255.f * std::sqrt(share / peak))));
-    }
-    arrays.add("cell-lower", cells, [](const auto& cell) { return position_of(cell.lower); });
-    arrays.add("cell-upper", cells, [](const auto& cell) { return position_of(cell.upper); });
-    arrays.add("cell-facing", cells, [](const auto& cell) { return cell.facing; });
-    arrays.add("cell-selections", cells, [](const auto& cell) { return cell.selection; });
-    arrays.add("cell-radiances", cells, [](const auto& cell) { return cell.reflected; });
-    arrays.add("cell-peaks", peaks);
-    arrays.add("cell-densities", densities);
-    return {{"stored", all.size()}, {"shown", cells.size()}, {"depth", depth_of_cells}};
-}
-
 /// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
 /// meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2 diffusely, so that
 /// an estimate is made there.
@@ -197,56 +171,31 @@ void add_pixel_places(const Scene& scene, const PixelGrid& grid, Arrays& arrays)
     arrays.add("pixel-reflections", reflections);
 }
 
-/// The images of a page, at the pixels of a grid. Equal ones are stored once.
-class PixelImages {
-public:
-    PixelImages(const PixelGrid& grid, Arrays& arrays) : grid_(grid), arrays_(arrays) {}
-
-    /// The name of the image's array.
-    std::string add(const Image& image) {
-        std::vector<Position> values;
-        for (std::size_t i = 0; i < grid_.count(); ++i)
-            values.push_back(color_of(image.at(static_cast<std::size_t>(grid_.y(i) * image.width + grid_.x(i)))));
-        const auto [entry, is_new] = names_.try_emplace(std::move(values), fmt::format("pixels-{}", names_.size()));
-        if (is_new) arrays_.add(entry->second, entry->first);
-        return entry->second;
-    }
-
-private:
-    const PixelGrid& grid_;
-    Arrays& arrays_;
-    std::map<std::vector<Position>, std::string> names_;
-};
-
-/// The method's images and the reference by component: names of arrays.
-json estimates_json(const PageContent& content, Arrays& arrays) {
-    if (!content.estimates) return nullptr;
-    const Estimates& estimates = *content.estimates;
+/// The method's image by component: names of arrays.
+json estimate_json(const PageContent& content, Arrays& arrays) {
+    if (!content.estimate) return nullptr;
+    const ShownImage& estimate = *content.estimate;
     const Scene& scene = *content.scene.scene;
     const PixelGrid grid(scene.sensor().width(), scene.sensor().height(), most_pixels);
     add_pixel_places(scene, grid, arrays);
-    PixelImages pixels(grid, arrays);
-    json images = json::array(), truth = nullptr;
-    for (const ComponentImages& image : estimates.images) {
-        json names = json::object();
-        for (Component c : all_components)
-            if (image[c] && !is_black(*image[c])) names[std::string(name_of(c))] = pixels.add(*image[c]);
-        images.push_back(std::move(names));
+    json names = json::object();
+    for (Component c : all_components) {
+        if (!estimate.image[c] || is_black(*estimate.image[c])) continue;
+        const std::string name(name_of(c));
+        std::vector<Position> values;
+        for (std::size_t i = 0; i < grid.count(); ++i)
+            values.push_back(
+                color_of(estimate.image[c]->at(static_cast<std::size_t>(grid.y(i) * grid.width + grid.x(i)))));
+        arrays.add("pixels-" + name, values);
+        names[name] = "pixels-" + name;
     }
-    if (content.reference) {
-        truth = {{"total", pixels.add(content.reference->total.mean)}};
-        for (Component c : all_components)
-            if (const auto& layer = (*content.reference)[c]) truth[std::string(name_of(c))] = pixels.add(layer->mean);
-    }
-    return {{"k", estimates.k},
-            {"own", estimates.own},
-            {"passes", estimates.passes},
-            {"emitted", estimates.emitted},
-            {"radii", estimates.radii},
-            {"gather", estimates.gather},
+    return {{"k", estimate.k ? json(*estimate.k) : json(nullptr)},
+            {"passes", estimate.passes},
+            {"emitted", estimate.emitted},
+            {"radii", estimate.radii},
+            {"gather", estimate.gather},
             {"grid", {grid.columns, grid.rows, grid.width, grid.height}},
-            {"images", std::move(images)},
-            {"truth", std::move(truth)}};
+            {"image", std::move(names)}};
 }
 
 /// Wavelength [nm] and colour of each stratum.
@@ -299,8 +248,7 @@ std::string photons_page(const PageContent& content) {
                   {"beams", beams_json(light, arrays)},
                   {"dispersive", scene.has_dispersion()},
                   {"strata", strata_json()},
-                  {"estimates", estimates_json(content, arrays)},
-                  {"cells", cells_json(light.cells, arrays)},
+                  {"estimate", estimate_json(content, arrays)},
                   {"records", light.records.size()},
                   {"patches", light.patches.patches.size()}};
     add_records(light.records, arrays);
@@ -318,9 +266,8 @@ std::string photons_page(const PageContent& content) {
         {"arrays", arrays.elements()},
         {"imports", imports.dump()},
         {"script", embedded_scripts({"report_page/core.js", "report_page/controls.js", "photons_page/data.js",
-                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/cells.js",
-                                     "photons_page/view.js", "photons_page/panel.js", "photons_page/estimates.js",
-                                     "photons_page/page.js"})}};
+                                     "photons_page/photons.js", "photons_page/solids.js", "photons_page/view.js",
+                                     "photons_page/panel.js", "photons_page/estimates.js", "photons_page/page.js"})}};
     return filled(embedded_file("photons_page/page.html"), values,
                   [](std::string_view text) { return std::string(text); });
 }

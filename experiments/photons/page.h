@@ -14,8 +14,7 @@ struct PageContent {
     std::string method;  ///< label
     std::uint64_t seed;
     const CollectedLight& light;
-    const Estimates* estimates = nullptr;  ///< null: a click tells none
-    const Reference* reference = nullptr;  ///< of the same size as the estimates; may be null
+    const ShownImage* estimate = nullptr;  ///< null: a click tells no estimate
 };
 
 /// A photon's power relative to its map's mean as three mantissas and an exponent of 8 bits: c = m 2^(e - 136), rounded;

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -21,23 +20,6 @@ namespace {
 /// More lines than these would cover each other.
 constexpr std::size_t most_beams = 50000;
 
-/// The numbers of photons in an estimate beside the method's own, as multiples of it.
-constexpr std::array multiples_of_k = {0.25, 0.5, 1.0, 2.0, 4.0};
-
-const Parameter* declared_k(const ConfiguredMethod& method) {
-    for (const Parameter& parameter : method.description.parameters)
-        if (parameter.name == "k") return &parameter;
-    return nullptr;
-}
-
-/// The method with another k.
-ConfiguredMethod with_k(MethodLabel label, const std::string& k) {
-    const auto given = std::ranges::find_if(label.values, [](const auto& v) { return v.first == "k"; });
-    if (given != label.values.end()) given->second = k;
-    else label.values.emplace_back("k", k);
-    return ConfiguredMethod(std::move(label));
-}
-
 /// The value of a radius: the number of the label, the default, or what the run has measured; empty if there is none.
 std::optional<double> radius_of(const ConfiguredMethod& method,
                                 const std::vector<std::pair<std::string, std::string>>& facts,
@@ -47,28 +29,6 @@ std::optional<double> radius_of(const ConfiguredMethod& method,
     for (const Parameter& parameter : method.description.parameters)
         if (parameter.name == name) return number_from<double>(method.values.text(name));
     return std::nullopt;
-}
-
-ComponentImages rendered(const EstimateWork& work, const ConfiguredMethod& method, Estimates* own) {
-    const auto chosen = method.create({work.scene.max_edges});
-    const MeasureWork cell{.scene = *work.scene.scene,
-                           .method = *chosen,
-                           .seed = work.seed,
-                           .spp = work.passes,
-                           .budget = {},
-                           .only_last = true};
-    ComponentImages images;
-    const auto keep = [&](const Checkpoint&, const ComponentImages& components) { images = components; };
-    const Measurement measured = measure(cell, keep, {}, work.observer);
-    if (own) {
-        own->passes = measured.checkpoints.back().passes;
-        own->emitted = measured.checkpoints.back().counts.photons;
-        for (const auto& [map, name] : {std::pair("global", "radius"), {"caustic", "caustic_radius"}})
-            if (const auto share = radius_of(method, measured.facts, name))
-                own->radii[map] = *share * double{work.scene.scene->diagonal()};
-        if (chosen->plan(*work.scene.scene).runs("final gathering")) own->gather = method.values.integer("gather");
-    }
-    return images;
 }
 
 }  // namespace
@@ -89,8 +49,7 @@ std::vector<std::size_t> even_shares(const std::vector<std::size_t>& counts, std
 void require_stored_light(const MethodLabel& method) {
     const auto names = names_of_methods_that_store_light();
     if (std::ranges::find(names, method.name) == names.end())
-        reject({},
-               "'{}' stores no photons, irradiance records, patches or field that could be shown; methods that do: {}",
+        reject({}, "'{}' stores no photons, irradiance records or patches that could be shown; methods that do: {}",
                method.name, fmt::join(names, ", "));
 }
 
@@ -126,7 +85,6 @@ CollectedLight collect_stored_light(const StoredLightWork& work) {
         if (is_at_step(i, beams, shown)) light.beams.beams.push_back(stored.beams.beams[i]);
     light.records = std::move(stored.records);
     light.patches = std::move(stored.patches);
-    light.cells = std::move(stored.cells);
     return light;
 }
 
@@ -171,25 +129,26 @@ std::vector<PhotonSubset::Map> PhotonSubset::maps() const {
     return maps;
 }
 
-Estimates estimates_of(const EstimateWork& work) {
-    Estimates estimates;
-    const Parameter* declared = declared_k(work.method);
-    const auto k = declared && work.varies_k ? work.method.values.number_unless_word("k") : std::nullopt;
-    if (!k) {
-        estimates.images.push_back(rendered(work, work.method, &estimates));
-        return estimates;
-    }
-    for (const double multiple : multiples_of_k) {
-        const std::string text =
-            std::to_string(std::llround(std::clamp(multiple * *k, declared->lower, declared->upper)));
-        if (!estimates.k.empty() && estimates.k.back() == text) continue;
-        const bool is_own = multiple <= 1 && text == std::to_string(std::llround(*k));
-        if (is_own) estimates.own = estimates.k.size();
-        estimates.images.push_back(
-            rendered(work, is_own ? work.method : with_k(work.method.label, text), is_own ? &estimates : nullptr));
-        estimates.k.push_back(text);
-    }
-    return estimates;
+ShownImage shown_image(const ShownImageWork& work) {
+    const auto chosen = work.method.create({work.scene.max_edges});
+    const MeasureWork cell{.scene = *work.scene.scene,
+                           .method = *chosen,
+                           .seed = work.seed,
+                           .spp = work.passes,
+                           .budget = {},
+                           .only_last = true};
+    ShownImage estimate;
+    const auto keep = [&](const Checkpoint&, const ComponentImages& components) { estimate.image = components; };
+    const Measurement measured = measure(cell, keep, {}, work.observer);
+    estimate.passes = measured.checkpoints.back().passes;
+    estimate.emitted = measured.checkpoints.back().counts.photons;
+    for (const auto& [map, name] : {std::pair("global", "radius"), {"caustic", "caustic_radius"}})
+        if (const auto share = radius_of(work.method, measured.facts, name))
+            estimate.radii[map] = *share * double{work.scene.scene->diagonal()};
+    for (const Parameter& parameter : work.method.description.parameters)
+        if (parameter.name == "k") estimate.k = work.method.values.number_unless_word("k");
+    if (chosen->plan(*work.scene.scene).runs("final gathering")) estimate.gather = work.method.values.integer("gather");
+    return estimate;
 }
 
 PixelGrid::PixelGrid(int image_width, int image_height, int most) : width(image_width), height(image_height) {

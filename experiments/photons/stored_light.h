@@ -1,16 +1,15 @@
 #pragma once
-// The light that a method stores, as far as a page can show it, and the images that the method makes of it for several numbers k of
-// photons in an estimate.
+// The light that a method stores, as far as a page can show it, and the image that the method makes of it.
 
 #include "common/reader/scene_file.h"
 #include "experiments/measuring/measure.h"
-#include "experiments/metrics/reference_image.h"
 #include "methods/method.h"
 #include "methods/parts/stored_light/stored_light.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,14 +77,11 @@ struct CollectedLight {
     std::size_t stored_beams = 0;  ///< of which `beams` are some, evenly spaced
     std::vector<StoredRecord> records;
     StoredPatches patches;
-    std::vector<RadianceField::Cell> cells;
     std::uint32_t passes = 0;          ///< number of passes made
     bool photons_of_passes = false;    ///< whether each pass has photons of its own
     std::vector<std::string> skipped;  ///< passes of the plan that were not run, with the reasons
 
-    bool empty() const {
-        return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty() && cells.empty();
-    }
+    bool empty() const { return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty(); }
 };
 
 /// Throws InputError, which names the methods that store light, if the method is none of them.
@@ -95,28 +91,26 @@ void require_stored_light(const MethodLabel& method);
 /// photons are those of all passes made, beams, records and patches those after the last.
 CollectedLight collect_stored_light(const StoredLightWork& work);
 
-struct EstimateWork {
+struct ShownImageWork {
     const LoadedScene& scene;
     const ConfiguredMethod& method;
     std::uint64_t seed = 1;
-    std::uint32_t passes;        ///< of each image; a run that converges ends earlier
-    bool varies_k = true;        ///< false: only the method's own image is made
+    std::uint32_t passes;        ///< a run that converges ends earlier
     WorkObserver observer = {};  ///< is told of the progress
 };
 
-struct Estimates {
-    std::vector<std::string> k;                ///< ascending; empty: the method takes no number of photons
-    std::size_t own = 0;                       ///< index of the method's own image
-    std::vector<ComponentImages> images;       ///< by k; of a method without k its own alone
-    std::uint32_t passes = 0;                  ///< of its own image
-    std::uint64_t emitted = 0;                 ///< photons emitted for its own image
+/// An image, and what its estimates use.
+struct ShownImage {
+    ComponentImages image;
+    std::uint32_t passes = 0;
+    std::uint64_t emitted = 0;                 ///< photons emitted for it
+    std::optional<double> k = {};              ///< photons in an estimate; empty: the method takes no number
     std::map<std::string, double> radii = {};  ///< largest radius of a look-up in each map at the start [scene units]
     std::int64_t gather = 0;                   ///< rays in place of look-ups in the global map
 };
 
-/// Renders the images, each as `gibench render` does with as many passes: at a quarter of the method's own k, at half of it,
-/// at it, and at two and four times as many.
-Estimates estimates_of(const EstimateWork& work);
+/// Renders the image as `gibench render` does with as many passes.
+ShownImage shown_image(const ShownImageWork& work);
 
 /// The pixels of an image that a page keeps: all, or evenly spaced ones.
 struct PixelGrid {

@@ -1,19 +1,17 @@
-// What the method estimates at a place that the camera sees, beside the reference, and the photons or records that the
-// estimate uses there.
+// What the method estimates at a place that the camera sees, and the photons or records that the estimate uses there.
 
 const ESTIMATE_COLORS = { global: 0x4fd0ff, caustic: 0xffc14f, record: 0x7fe08a };
 const COMPONENTS_OF_MAPS = { global: "indirect", caustic: "caustic" };
 
 class Estimates {
   constructor(view, layers) {
-    this.facts = facts.estimates;
+    this.facts = facts.estimate;
     this.view = view;
     this.layers = layers;
     this.points = arrayOf("pixel-points", Float32Array);
     this.normals = arrayOf("pixel-normals", Int8Array);
     this.reflections = arrayOf("pixel-reflections", Uint8Array);
     this.arrays = {};
-    this.chosen = this.facts.own;
     this.marks = new THREE.Group();
     view.scene.add(this.marks);
   }
@@ -43,22 +41,17 @@ class Estimates {
 
   /// Shows the estimates at pixel i, or why there are none; undefined: none was asked for.
   show(i) {
-    this.pixel = i;
     this.marks.clear();
-    const { truth, images, grid: [columns, rows, width, height] } = this.facts, lines = [];
+    const { image, grid: [columns, rows, width, height] } = this.facts, lines = [];
     part("estimate-table").replaceChildren();
     if (i >= 0) {
       const at = [i % columns * width / columns, Math.floor(i / columns) * height / rows].map(Math.floor);
       lines.push(`pixel (${at.join(", ")}) [W/(sr m²)]`);
       const sum = [0, 0, 0];
       for (const name of ["emission", "direct", "caustic", "indirect", "volume", "total"]) {
-        const shown = [];
-        if (name === "total") shown.push(["estimate", sum]);
-        else if (images[this.chosen][name]) shown.push(["estimate", this.valueOf(images[this.chosen][name], i)]);
-        if (name !== "total") shown[0]?.[1].forEach((v, k) => { sum[k] += v; });
-        if (truth?.[name]) shown.push(["truth", this.valueOf(truth[name], i)]);
-        if (shown.length === 2) shown.push(["difference", shown[0][1].map((v, k) => v - shown[1][1][k])]);
-        if (shown.some(([, values]) => values.some((v) => v !== 0))) this.addRows(name, shown);
+        const values = name === "total" ? sum : image[name] ? this.valueOf(image[name], i) : [0, 0, 0];
+        if (name !== "total") values.forEach((v, k) => { sum[k] += v; });
+        if (values.some((v) => v !== 0)) this.addRow(name, values);
       }
       lines.push(...this.mark(i));
     } else if (i === -1) lines.push("The camera does not see this place: no pixel has an estimate of it.");
@@ -66,11 +59,9 @@ class Estimates {
     this.view.redraw();
   }
 
-  addRows(name, rows) {
-    part("estimate-table").append(
-      element("tr", { className: "name" }, element("th", { colSpan: 4, textContent: name })),
-      ...rows.map(([what, values]) => element("tr", {}, element("th", { textContent: what }),
-        ...values.map((v) => element("td", { textContent: number(v) })))));
+  addRow(name, values) {
+    part("estimate-table").append(element("tr", {}, element("th", { textContent: name }),
+      ...values.map((v) => element("td", { textContent: number(v) }))));
   }
 
   /// Draws what the estimate at pixel i uses, and returns it in words.
@@ -100,7 +91,7 @@ class Estimates {
   /// The disc of an estimate: to the k-th photon of the map whose normal agrees and that lies at less than half the slope of the
   /// tangent plane, as methods/parts/density/surface_disc.h decides, or the largest one.
   discOf(p, n, m, map, radius) {
-    const { photons } = this.layers, share = map.shown / map.stored, k = Number(this.facts.k[this.chosen]);
+    const { photons } = this.layers, share = map.shown / map.stored, { k } = this.facts;
     const distances = [];
     for (let j = 0; j < photons.count; j++) {
       if (photons.infos[4 * j + 1] !== m) continue;
@@ -112,7 +103,7 @@ class Estimates {
     }
     const about = share < 1 ? "about " : "", inside = counted(Math.round(distances.length / share));
     const last = Math.max(1, Math.round(k * share));
-    if (!(distances.length >= last)) return { radius, words: `${about}${inside} photons within the largest disc` };
+    if (k === null || !(distances.length >= last)) return { radius, words: `${about}${inside} photons within the largest disc` };
     distances.sort((a, b) => a - b);
     return { radius: distances[last - 1], words: `disc to ${about}the ${counted(k)}th photon` };
   }
@@ -162,17 +153,10 @@ function emission(emitted) {
 }
 
 function addEstimates(view, layers) {
-  const { k, own, passes, truth, emitted } = facts.estimates, estimates = new Estimates(view, layers);
-  const place = part("estimate");
+  const { passes, emitted } = facts.estimate, estimates = new Estimates(view, layers), place = part("estimate");
   place.hidden = false;
-  if (k.length > 1) {
-    part("estimate-words").before(slider("k", { min: 0, max: k.length - 1, value: own }, (i) => k[i], (i) => {
-      estimates.chosen = i;
-      estimates.show(estimates.pixel);
-    }).whole);
-  }
   const image = `Estimates are those of the method's image after ${counted(passes)} pass${passes === 1 ? "" : "es"}`;
-  place.append(element("p", { className: "facts", textContent: `${image}${truth ? "" : "; --reference adds the truth"}.` }));
+  place.append(element("p", { className: "facts", textContent: `${image}.` }));
   if (emitted) part(layers.photons ? "maps" : "beams").append(element("p", { className: "facts", textContent: `${emission(emitted)} ` +
     "Powers are in watts if a scene unit is a metre; else they are to be multiplied by its square [m²]." }));
   return estimates;

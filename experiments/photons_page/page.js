@@ -1,7 +1,7 @@
 // Puts stage and panel together.
 
 function describeShown(view, layers) {
-  const { photons, beams, records, patches, cells } = layers, parts = [];
+  const { photons, beams, records, patches } = layers, parts = [];
   if (photons) {
     const stored = facts.maps.reduce((sum, map) => sum + map.stored, 0);
     parts.push(`${counted(photons.visible)} of ${counted(stored)} photons shown`);
@@ -9,7 +9,6 @@ function describeShown(view, layers) {
   if (beams) parts.push(beams.group.visible ? `${counted(beams.count)} beams` : "no beams");
   if (records) parts.push(records.group.visible ? `${counted(records.count)} records` : "no records");
   if (patches) parts.push(patches.group.visible ? `${counted(patches.count)} patches` : "no patches");
-  if (cells) parts.push(cells.group.visible ? `${counted(cells.visible)} cells` : "no cells");
   if (parts.length === 0) parts.push("The method has stored no light in this scene");
   part("shown").textContent = `${parts.join(", ")}.`;
   view.redraw();
@@ -125,17 +124,6 @@ function addPatches(view, layers) {
     }));
 }
 
-function addCells(view, layers) {
-  const { cells } = layers, { stored, shown } = facts.cells;
-  const choose = (facing) => {
-    cells.show(facing);
-    describeShown(view, layers);
-  };
-  addLayer(view, layers, "cells", "boxes", `${shown < stored ? `${counted(shown)} of ` : ""}${counted(stored)}`,
-    select("Surfaces that face", [...FACINGS, "media", "all"], 7, choose));
-  part("cells").append(...scaleBar(POWER_SCALE, ...cells.range.map((log) => `${short(2 ** log)} W/(sr m²)`)));
-}
-
 function addSurfaces(view, layers) {
   const { shown, whole } = facts.surfaces, ways = ["solid", "translucent", "wire", "hidden"];
   const first = layers.patches ? 3 : 0;
@@ -157,7 +145,7 @@ function addSurfaces(view, layers) {
 function pick(place, box, view, layers) {
   const caster = new THREE.Raycaster();
   caster.setFromCamera(place, view.camera);
-  const { photons, records, patches, cells } = layers;
+  const { photons, records, patches } = layers;
   let text = "";
   const photon = photons ? photons.nearest(place, view.camera, box.width, box.height) : -1;
   const on = (layer, object) => (layer?.group.visible ? caster.intersectObject(object)[0] : undefined);
@@ -167,14 +155,6 @@ function pick(place, box, view, layers) {
   else if (face) text = patches.describe(Math.floor(face.faceIndex / 2));
   caster.near = view.camera.near;  // what is cut away is not hit
   const surface = caster.intersectObject(layers.surfaces.mesh)[0];
-  if (cells && surface) {
-    const normal = surface.face.normal.clone();
-    if (normal.dot(caster.ray.direction) > 0) normal.negate();
-    const cell = cells.at(surface.point, normal);
-    cells.pick(cell, surface.point);
-    text = cells.describe(cell);
-    view.redraw();
-  }
   part("picked").textContent = text;
   part("picked").hidden = text === "";
   if (!layers.estimates) return;
@@ -199,19 +179,16 @@ function start() {
   if (facts.beams.shown) layers.beams = new Beams();
   if (facts.records) layers.records = new Records();
   if (facts.patches) layers.patches = new Patches();
-  if (facts.cells.stored) layers.cells = new Cells();
   view.scene.add(layers.surfaces.mesh);
   if (layers.photons) view.scene.add(layers.photons.points);
   if (layers.beams) view.scene.add(layers.beams.group);
   if (layers.records) view.scene.add(layers.records.group);
   if (layers.patches) view.scene.add(layers.patches.group);
-  if (layers.cells) view.scene.add(layers.cells.group);
-  if (facts.estimates) layers.estimates = addEstimates(view, layers);
+  if (facts.estimate) layers.estimates = addEstimates(view, layers);
   if (layers.photons) addPhotons(view, layers);
   if (layers.beams) addBeams(view, layers);
   if (layers.records) addRecords(view, layers);
   if (layers.patches) addPatches(view, layers);
-  if (layers.cells) addCells(view, layers);
   addSurfaces(view, layers);
   view.onPick = (place, box) => pick(place, box, view, layers);
   stage.view = view;

@@ -79,8 +79,6 @@ DeclaredTable keys_of_a_command() {
           "to write, and have to be there; `{spp}`, `{seconds}` (of the budget), `{seed}`, `{threads}`, `{width}`, "
           "`{height}` may. Paths are quoted for the shell where they need it. Complete cells are kept as long as this "
           "text is the same; a new version of the program is not noticed (`--fresh`)"},
-         {"scene_format", "`\"mitsuba\"` (default) or `\"povray\"`",
-          "form of `{scene}`: the scene's file as it is, or the language of POV-Ray 3.7"},
          {"image_format", "`\"exr\"` (default), `\"pfm\"` or `\"hdr\"`",
           "ending of `{out}`. The image holds linear radiance in R, G, B"},
          {"timeout", fmt::format("seconds; default {:g}", ExternalMethod().timeout),

@@ -167,10 +167,6 @@ std::vector<ExternalMethod> read_external_method(const TomlReader& reader, const
         if (!is_one_of(placeholder, command_placeholders()) && !table.get(placeholder))
             reject(method.where, "the placeholder {{{}}} has no value: there are {}, and keys of this [[method]]",
                    placeholder, fmt::join(command_placeholders(), ", "));
-    if (const auto* format = table.get("scene_format"))
-        method.scene_format = read_choice(reader, *format, "scene_format", {"mitsuba", "povray"}) == "povray"
-                                  ? SceneFormat::povray
-                                  : SceneFormat::mitsuba;
     if (const auto* format = table.get("image_format"))
         method.image_format = read_choice(reader, *format, "image_format", {"exr", "pfm", "hdr"});
     if (const auto* timeout = table.get("timeout")) method.timeout = reader.positive_number(*timeout, "timeout");

@@ -64,7 +64,7 @@ bool ExternalMethod::takes(std::string_view placeholder) const {
 }
 
 std::string ExternalMethod::identity() const {
-    return fmt::format("{} {} {}", scene_format == SceneFormat::povray ? "povray" : "mitsuba", image_format, command);
+    return fmt::format("mitsuba {} {}", image_format, command);  // so that cells of older versions stay valid
 }
 
 std::string filled_command(const ExternalMethod& method, const std::map<std::string, std::string>& values) {

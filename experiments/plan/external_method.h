@@ -14,18 +14,11 @@
 
 namespace gib {
 
-/// The forms in which a scene is handed to a command.
-enum class SceneFormat {
-    mitsuba,  ///< the scene's file as it is
-    povray    ///< POV-Ray's scene language (povray_scene.h)
-};
-
 /// One label of a [[method]] with a command.
 struct ExternalMethod {
     MethodLabel label;     ///< the name that the file gives, and the values of the placeholders that are its own
     std::string command;   ///< command with placeholders
     SourceLocation where;  ///< place of the command
-    SceneFormat scene_format = SceneFormat::mitsuba;
     std::string image_format = "exr";       ///< ending of the image's file: exr, pfm or hdr
     std::optional<std::uint32_t> spp = {};  ///< value of {spp}; none: the scene's sample count
     double timeout = 3600;                  ///< wall-clock time after which the command is ended [s]

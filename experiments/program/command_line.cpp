@@ -241,20 +241,12 @@ void add_compare(CLI::App& app, Action& action) {
         "file for a picture of the first image's difference: blue is darker than the reference, red brighter");
     command->add_flag("--other-scene", options->other_scene,
                       "compare images of another scene, or of another version of it, than the reference's, too");
-    CLI::Option* z_test = command->add_flag(
+    command->add_flag(
         "--z-test", options->z_test,
         "test whether the images differ from the reference by noise alone: exit code 0 accepted, 1 rejected. They are "
         "accepted if no block of 8 x 8 or 64 x 64 pixels and no whole image differs in any channel or component (1 % "
         "for all tests together, with the noise of both sides) and if the 95 % interval of the mean's deviation lies "
         "within 0.2 %");
-    CLI::Option* variance = command->add_option("--variance", options->variance,
-                                                "image of the variance of one of the reference's samples: use Mitsuba "
-                                                "3's z-test of every pixel in XYZ instead");
-    CLI::Option* spp =
-        command->add_option("--spp", options->test_spp, "samples a pixel of the tested image, for --variance")
-            ->check(CLI::Range(1, 1000000000));
-    variance->needs(z_test)->needs(spp);
-    spp->needs(variance);
     perform_with(options, command, action, [files](CompareOptions& o) {
         o.reference = files->back();
         o.tests.assign(files->begin(), files->end() - 1);
@@ -342,8 +334,7 @@ void add_compare_runs(CLI::App& app, Action& action) {
 void add_photons(CLI::App& app, Action& action) {
     auto options = std::make_shared<PhotonsOptions>();
     CLI::App* command = app.add_subcommand(
-        "photons",
-        "write a page that shows photons, irradiance records, radiosity patches or a learned field in the scene in 3D");
+        "photons", "write a page that shows photons, irradiance records or radiosity patches in the scene in 3D");
     command->add_option("SCENE", options->scene, scene_help)->required();
     command
         ->add_option("--method", options->method,
@@ -357,12 +348,9 @@ void add_photons(CLI::App& app, Action& action) {
     command
         ->add_option(
             "--passes", options->passes,
-            "passes at most of a method that stores other light in each, and of its images (default: its spp, at "
-            "most 16; of images beside light that stays, at most 4)")
+            "passes at most of a method that stores other light in each, and of its image (default: its spp, at "
+            "most 16; of an image beside light that stays, at most 4)")
         ->check(CLI::Range(1u, most_passes_shown));
-    command->add_option(
-        "--reference", options->reference,
-        "image (EXR) of the same size, best one of `gibench reference`: a click then tells the truth, too");
     add_job(command, *options, "the page (HTML)");
     perform_with(options, command, action, [](const auto& o) { return show_photons(o, std::cout); });
 }

@@ -115,7 +115,6 @@ void print_what_is_shown(const CollectedLight& light, std::ostream& out) {
     if (!light.records.empty()) out << fmt::format("irradiance records: {}\n", light.records.size());
     if (!light.patches.patches.empty())
         out << fmt::format("patches: {}, corners: {}\n", light.patches.patches.size(), light.patches.corners.size());
-    if (!light.cells.empty()) out << fmt::format("cells of the field: {}\n", light.cells.size());
     if (light.passes > 0) out << fmt::format("passes: {}\n", light.passes);
 }
 
@@ -287,11 +286,6 @@ void show_photons(const PhotonsOptions& options, std::ostream& out) {
     method.values.refuse({"filter"}, "photons: no image is made");
     check_writable(options.out, ".html");
     const LoadedScene scene = loaded_with_warnings(options.scene, options.loading);
-    std::optional<Reference> reference;
-    if (!options.reference.empty()) {
-        const Sensor& sensor = scene.scene->sensor();
-        reference = read_reference_of(options.reference, sensor.width(), sensor.height(), scene.content_hash);
-    }
     ProgressLine progress;
     const StoredLightWork work{
         .scene = scene,
@@ -305,16 +299,14 @@ void show_photons(const PhotonsOptions& options, std::ostream& out) {
     with_threads(options.threads, [&] {
         const CollectedLight light = collect_stored_light(work);
         warn_of_what_is_not(light, options.method, progress);
-        const Estimates estimates = estimates_of(
+        const ShownImage image = shown_image(
             {.scene = scene,
              .method = method,
              .seed = options.seed,
              .passes = light.passes > 0 ? light.passes
                                         : std::min(work.most_passes, options.passes.value_or(default_image_passes)),
-             .varies_k = !light.photons.empty(),
              .observer = [&](const OngoingWork& ongoing) { work.listener(ongoing.stage, ongoing.fraction); }});
-        write_file(options.out, photons_page({scene, method.label.text(), options.seed, light, &estimates,
-                                              reference ? &*reference : nullptr}));
+        write_file(options.out, photons_page({scene, method.label.text(), options.seed, light, &image}));
         print_what_is_shown(light, out);
     });
     progress.message(options.out);

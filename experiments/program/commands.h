@@ -59,7 +59,6 @@ struct PhotonsOptions : SceneJob {
     std::size_t most_photons = 200000;  ///< number of photons shown
     /// Limit on passes; none: that of the label or the scene, but at most default_passes.
     std::optional<std::uint32_t> passes;
-    std::string reference;  ///< file; empty: the page tells no truth
 };
 /// Passes of a method that stores other light in each, and of an image beside light that stays.
 inline constexpr std::uint32_t default_passes = 16, default_image_passes = 4, most_passes_shown = 255;

@@ -137,8 +137,6 @@ void require_finite(const std::string& path, const std::string& layer, const Ref
 
 void require_consistent(const CompareOptions& options) {
     if (options.epsilon) require_epsilon(*options.epsilon);
-    if (!options.variance.empty() && options.tests.size() > 1)
-        throw InputError("with --variance the z-test takes one image, not several");
 }
 
 /// Throws InputError if two files have the same seed, method and scene: replicates with equal noise would seem to
@@ -177,11 +175,8 @@ ReferenceLayer tested_layer(const std::vector<Image>& images, const std::vector<
     return {images.front(), std::nullopt, {}};
 }
 
-ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<std::string, Subject>>& subjects,
-                     const std::vector<LayeredImage>& files, const Reference& reference) {
-    const Subject& total = subjects.front().second;
-    if (!options.variance.empty())
-        return mitsuba_z_report(total.tests.front(), total.denominators.plain(), options.variance, options.test_spp);
+ZTestReport tested(const CompareOptions& options, const std::vector<std::pair<std::string, Subject>>& subjects,
+                   const std::vector<LayeredImage>& files, const Reference& reference) {
     require_different_seeds(files, options.tests);
     Reference own = reference_in(files.front(), options.tests.front());
     own.unresolved = reference.unresolved;
@@ -193,7 +188,7 @@ ZTestReport z_report(const CompareOptions& options, const std::vector<std::pair<
             {name, tested_layer(subject.tests, biases_in(files, name), c ? judged.component(*c) : &judged.total()),
              &subject.reference});
     }
-    return own_z_report(layers);
+    return z_report(layers);
 }
 
 std::string text_of(const Json& value) { return value.is_null() ? "-" : fmt::format("{:.6g}", value.get<double>()); }
@@ -284,7 +279,7 @@ int compare(const CompareOptions& options, std::ostream& out) {
     std::optional<ZTestReport> z;
     // Two references are always tested, with the errors of both.
     if (options.z_test || (files.size() == 1 && files.front().find("stderr") && reference.total.standard_error))
-        z = z_report(options, subjects, files, reference);
+        z = tested(options, subjects, files, reference);
 
     Json json, components = Json::object();
     for (std::size_t i = 0; i < subjects.size(); ++i) {

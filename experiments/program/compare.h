@@ -14,11 +14,9 @@ struct CompareOptions {
     std::string reference;               ///< a file, with or without standard errors
     std::optional<double> epsilon = {};  ///< epsilon of relative errors [radiance^2]; none: the default (epsilon.h)
     bool json = false;
-    bool other_scene = false;    ///< accept images of other scenes than the reference's
-    std::string png = {};        ///< file for a picture of the difference; empty: none
-    bool z_test = false;         ///< test whether the images differ by noise alone
-    std::string variance = {};   ///< image of a sample's variance: use Mitsuba's test, with a single image
-    std::uint32_t test_spp = 0;  ///< samples a pixel of that image, > 0 with `variance`
+    bool other_scene = false;  ///< accept images of other scenes than the reference's
+    std::string png = {};      ///< file for a picture of the difference; empty: none
+    bool z_test = false;       ///< test whether the images differ by noise alone
 };
 
 /// Prints the metrics as text or as JSON with the column names of table.csv; a number that is undefined is `-` or

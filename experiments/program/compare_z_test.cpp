@@ -1,7 +1,5 @@
 #include "experiments/program/compare_z_test.h"
 
-#include "common/core/reject.h"
-#include "common/images/image_file.h"
 #include "experiments/metrics/z_statistic.h"
 #include "experiments/text/json_record.h"
 
@@ -18,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, scale_count> scale_keys = {"z_blocks", "z_regions", "z_image"};
-constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"}, xyz_names = {"X", "Y", "Z"};
+constexpr std::array<const char*, 3> rgb_names = {"R", "G", "B"};
 
 std::string line(const std::string& name, const std::string& text) { return fmt::format("  {:<18} {}\n", name, text); }
 
@@ -123,15 +121,9 @@ Reason reason_of(const ZTestVerdict& verdict, const LayerZTest& total, const ZTe
                     margin, noisy, 100 * largest_share)};
 }
 
-/// Throws InputError unless all variances are finite and at least 0; an infinite one would accept every image.
-void require_variances(const Image& image, const std::string& path) {
-    const auto wrong = std::ranges::count_if(image.rgb, [](float v) { return !std::isfinite(v) || v < 0; });
-    if (wrong > 0) reject({path, 0, 0}, "cannot be a variance: {} values are not finite or below 0", wrong);
-}
-
 }  // namespace
 
-ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
+ZTestReport z_report(const std::vector<ComparedLayer>& layers) {
     const ZTestLimits limits;
     ZTestReport report;
     std::size_t nonfinite = 0;
@@ -184,48 +176,6 @@ ZTestReport own_z_report(const std::vector<ComparedLayer>& layers) {
         report.text += line("",
                             "(one image cannot tell a difference from noise that pixels share, as photon maps have "
                             "it: give several seeds)");
-    return report;
-}
-
-ZTestReport mitsuba_z_report(const Image& x, const Image& reference, const std::string& variance_path,
-                             std::uint32_t spp) {
-    const LayeredImage file = read_image(variance_path);
-    const Image* variance = file.find("");
-    if (!variance) throw InputError({variance_path, 0, 0}, "the image has no channels R,G,B outside its named layers");
-    if (!variance->same_size(reference))
-        reject({variance_path, 0, 0}, "{} x {} pixels, but the reference has {} x {}", variance->width,
-               variance->height, reference.width, reference.height);
-    require_variances(*variance, variance_path);
-    const MitsubaZTest test = mitsuba_z_test(x, reference, *variance, spp);
-    const std::string reason =
-        fmt::format("{}: {:.4f} % of {} values pass, {} % are needed", test.accepted() ? "accepted" : "rejected",
-                    100 * test.share(), test.values, 100 * MitsubaZTest::least_share);
-    ZTestReport report;
-    report.accepted = test.accepted();
-    report.json = {{"z_test", "mitsuba"},
-                   {"z_accepted", report.accepted},
-                   {"z_verdict", report.accepted ? "accepted" : "differs"},
-                   {"z_reason", reason},
-                   {"z_spp", spp},
-                   {"z_alpha", MitsubaZTest::significance},
-                   {"z_threshold", test.threshold},
-                   {"z_values", test.values},
-                   {"z_passing", test.passing},
-                   {"z_share", test.share()},
-                   {"z_share_needed", MitsubaZTest::least_share},
-                   {"z_nonfinite", test.nonfinite},
-                   {"z_smallest_p", test.smallest_p},
-                   {"z_x", test.x},
-                   {"z_y", test.y},
-                   {"z_channel", xyz_names[test.channel]}};
-    report.text = fmt::format("z-test: Mitsuba 3's, of every pixel in XYZ; variance of a sample from {}, {} samples\n",
-                              variance_path, spp);
-    report.text +=
-        line("smallest p", fmt::format("{:.3g} in {} at x {}, y {}; values pass above {:.3g}", test.smallest_p,
-                                       xyz_names[test.channel], test.x, test.y, test.threshold));
-    if (test.nonfinite > 0)
-        report.text += line("not finite", fmt::format("{} values, which do not pass", test.nonfinite));
-    report.text += line("verdict", reason);
     return report;
 }
 

@@ -27,7 +27,6 @@ std::string parameter_lines(const std::vector<Parameter>& parameters) {
         if (!p.default_value.empty()) facts += "; default " + p.default_value;
         if (p.tuning && p.kind == Parameter::Kind::choice) facts += "; tune searches these words";
         else if (p.tuning) facts += fmt::format("; tune searches {:g} to {:g}", p.tuning->lower, p.tuning->upper);
-        if (p.tuning && !p.tuning->follows.empty()) facts += ", and changes it with " + p.tuning->follows;
         text += fmt::format("  {:<16} {} ({})\n", p.name, p.sentence, facts);
     }
     return text;

@@ -107,10 +107,8 @@ CellResult CellRunner::render(const WorkCell& cell, const std::string& work_fold
         };
     };
     if (cell.external) {
-        const bool in_povray_form = cell.external->scene_format == SceneFormat::povray;
         return run_external_cell(command_cell(*cell.external),
                                  {.scene_file = scene.entry.path,
-                                  .scene_text = in_povray_form ? scene.povray : "",
                                   .seed = identity.seed,
                                   .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
                                   .seconds = identity.budget.seconds});
@@ -176,32 +174,29 @@ double share_done(const CellIdentity& cell, std::uint32_t passes, double seconds
 
 }  // namespace
 
-void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
-               const StopRule& stop) {
+std::size_t run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
+                      const std::function<double()>& seconds_left) {
     const auto begin = std::chrono::steady_clock::now();
-    const auto seconds_since = [](auto then) {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
-    };
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (stop.seconds_left && !(stop.seconds_left() > 0)) {
+        if (seconds_left && !(seconds_left() > 0)) {
             progress.note(fmt::format("no time is left for {} cells", cells.size() - i));
-            break;
+            return i;
         }
         const WorkCell& cell = *cells[i];
         // Cells are taken to last as long as the mean of those before.
         const auto show = [&](std::uint32_t passes, double seconds) {
             const double done = (static_cast<double>(i) + share_done(cell.identity, passes, seconds)) /
                                 static_cast<double>(cells.size());
-            double left = seconds_since(begin) * (1 / std::max(done, 1e-9) - 1);
-            if (stop.seconds_left) left = std::min(left, std::max(0.0, stop.seconds_left()));
+            double left = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() *
+                          (1 / std::max(done, 1e-9) - 1);
+            if (seconds_left) left = std::min(left, std::max(0.0, seconds_left()));
             progress.update(done, done > 0 ? std::optional(left) : std::nullopt,
                             fmt::format("cell {} of {}: {}", i + 1, cells.size(), cell.text()));
         };
-        const auto start = std::chrono::steady_clock::now();
         show(0, 0);
         runner.run(cell, show);
-        if (stop.spent) stop.spent(cell, seconds_since(start));
     }
+    return cells.size();
 }
 
 }  // namespace gib

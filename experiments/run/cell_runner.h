@@ -37,16 +37,9 @@ private:
     std::string referred_;  ///< identity of `reference_`
 };
 
-/// The rule by which a loop over cells ends before their end.
-struct StopRule {
-    /// For how many seconds cells may still begin; empty: without end.
-    std::function<double()> seconds_left = {};
-    /// Is told how many seconds a cell took in all.
-    std::function<void(const WorkCell& cell, double seconds)> spent = {};
-};
-
-/// Runs cells in turn, with a line of progress. Throws Interrupted.
-void run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
-               const StopRule& stop = {});
+/// Runs cells in turn, with a line of progress, and begins none when `seconds_left` is given and not above 0. Returns how many
+/// it began. Throws Interrupted.
+std::size_t run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
+                      const std::function<double()>& seconds_left = {});
 
 }  // namespace gib

@@ -3,7 +3,6 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
-#include "experiments/external/povray_scene.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/system/progress.h"
@@ -24,16 +23,6 @@ namespace gib {
 namespace {
 
 SceneLoadOptions loading_of(const Experiment& experiment) { return {{}, experiment.resolution, experiment.paths}; }
-
-/// The scene in POV-Ray's form; empty if no selected method takes it. Throws InputError for what it cannot express.
-std::string povray_form(const Experiment& experiment, const std::string& only, const ExperimentScene& entry,
-                        const LoadedScene& loaded) {
-    for (const MethodLabel& label : experiment.methods)
-        if (const auto* external = experiment.external(label);
-            external && is_kept(only, experiment, entry.name, label) && external->scene_format == SceneFormat::povray)
-            return povray_scene(loaded, entry.path, loading_of(experiment));
-    return "";
-}
 
 /// The largest number of edges of a path of a label, whose method may be `auto`.
 int max_edges_of(const MethodLabel& label, int scene_edges) {
@@ -126,8 +115,7 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
                                 .content_hash = loaded.content_hash,
                                 .sample_count = loaded.sample_count,
                                 .width = loaded.scene->sensor().width(),
-                                .height = loaded.scene->sensor().height(),
-                                .povray = povray_form(setup.experiment, options.only, entry, loaded)});
+                                .height = loaded.scene->sensor().height()});
     }
     require_a_cell(setup, options.only);
     return setup;

@@ -41,7 +41,6 @@ struct RunScene {
     std::string content_hash;
     std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
     int width = 0, height = 0;        ///< size of its images [pixels]
-    std::string povray = "";          ///< scene in POV-Ray's form, if a selected method takes that
 };
 
 struct RunSetup {

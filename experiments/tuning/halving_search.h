@@ -1,10 +1,10 @@
 #pragma once
-// The search for the settings with the least time to an error: a cover of the space, successive halving (Karnin, Koren and
-// Somekh 2013; Jamieson and Talwalkar 2016), then one descent to better neighbours. It measures settings by a callback, so
-// that it can be tested with known times.
+// The search for the settings with the least time to an error: a cover of the space and successive halving (Karnin, Koren and
+// Somekh 2013; Jamieson and Talwalkar 2016). It measures settings by a callback, so that it can be tested with known times.
 
 #include "experiments/tuning/search_space.h"
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -30,32 +30,24 @@ struct Trial {
     TimeEstimate time;
 };
 
-/// Measures settings for `budget` seconds each, all with the same seed. The result has their order; a setting that failed
-/// has an infinite time, and one for which no time was left has none.
-using MeasureTimes =
-    std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<Setting>& settings, double budget)>;
-
-struct SearchLimits {
-    double seconds;                   ///< time for all runs together
-    std::function<double()> elapsed;  ///< seconds so far, with all that a run takes besides its budget
-    int most_steps = 8;               ///< limit on the steps of the descent
-};
+/// Measures settings for `budget` seconds each, all with the seed of this round. The result has their order; a setting that
+/// failed has an infinite time, and one for which no time was left has none.
+using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<Setting>& settings,
+                                                                            std::uint64_t round, double budget)>;
 
 struct SearchOutcome {
     /// The latest trial of every setting that was measured, the best first; trials of longer runs stand before those that
-    /// were given up earlier.
-    std::vector<Trial> trials;
+    /// were given up earlier. A time that several rounds have measured is their geometric mean.
+    std::vector<Trial> trials = {};
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
 
-/// Each round of halving keeps the better half and doubles the budget, and drops a setting that the laws place four times
-/// behind the best. No budget is larger than twice the best time measured so far. No round begins that would take longer than
-/// what is left, or whose runs would be no longer than those before. A step of the descent takes all changes together that
-/// gain one by one, or the best of them, and is repeated for as long as it gains (Hooke and Jeeves 1961, "Direct Search
-/// Solution of Numerical and Statistical Problems").
-SearchOutcome search(const SearchSpace& space, const SearchLimits& limits, const MeasureTimes& measure);
+/// Each round keeps the better half of what it has measured and doubles the budget, so that all rounds of the whole cover take
+/// `seconds` together. A round drops settings whose laws place them four times behind the best. No budget is larger than twice the
+/// best time measured so far.
+SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTimes& measure);
 
 /// Settings of the cover for each axis, besides the defaults.
-inline constexpr std::size_t settings_per_axis = 6;
+inline constexpr std::size_t settings_per_axis = 10;
 
 }  // namespace gib

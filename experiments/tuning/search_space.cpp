@@ -26,8 +26,6 @@ TuningAxis axis_of(const Parameter& parameter, const Variation* asked) {
     const bool is_number = parameter.kind == Parameter::Kind::number || parameter.kind == Parameter::Kind::integer;
     TuningAxis axis{.name = parameter.name,
                     .span = parameter.tuning.value_or(TuningSpan{0, 0}),
-                    .least = parameter.lower,
-                    .most = parameter.upper,
                     .is_whole = parameter.kind == Parameter::Kind::integer};
     if (asked) {
         axis.words = asked->words;
@@ -66,27 +64,11 @@ bool is_accepted(const MethodLabel& label) {
     }
 }
 
-/// The values one step away from `value`.
-std::vector<double> steps_from(const TuningAxis& axis, double value) {
-    std::vector<double> steps;
-    for (std::size_t word = 0; word < axis.words.size(); ++word)
-        if (const auto other = static_cast<double>(word); other != value) steps.push_back(other);
-    if (!axis.words.empty()) return steps;
-    if (axis.has_default_apart && value == axis.initial) return {axis.rounded(axis.span.lower)};
-    for (const double factor : {0.5, 2.0})
-        if (const double stepped = axis.rounded(value * factor); stepped != axis.rounded(value))
-            steps.push_back(stepped);
-    // Where half the value would lie below the span, the step down leads to the default, which lies apart from the span.
-    if (axis.has_default_apart && value / 2 < axis.span.lower) steps.front() = *axis.initial;
-    return steps;
-}
-
 }  // namespace
 
 double TuningAxis::rounded(double value) const {
-    const double inside = std::clamp(value, least, most);
-    const double decade = inside == 0 ? 1 : std::pow(10, std::floor(std::log10(std::abs(inside))) - 1);
-    const double two_digits = std::round(inside / decade) * decade;
+    const double decade = value == 0 ? 1 : std::pow(10, std::floor(std::log10(std::abs(value))) - 1);
+    const double two_digits = std::round(value / decade) * decade;
     return is_whole ? std::round(two_digits) : number_from<double>(fmt::format("{:.2g}", two_digits)).value();
 }
 
@@ -183,46 +165,6 @@ std::vector<Setting> SearchSpace::cover(int count) const {
         if (std::ranges::find(settings, setting) == settings.end()) settings.push_back(setting);
     }
     return settings;
-}
-
-std::vector<Setting> SearchSpace::neighbours(const Setting& setting) const {
-    std::vector<Setting> result;
-    Setting full = setting;  // with the defaults
-    for (std::size_t d = 0; d < axes_.size(); ++d)
-        if (!full[d]) full[d] = axes_[d].initial;
-    for (std::size_t d = 0; d < axes_.size(); ++d) {
-        if (!full[d]) continue;
-        for (const double step : steps_from(axes_[d], *full[d])) {
-            Setting changed = setting;
-            changed[d] = step;
-            for (std::size_t f = 0; f < axes_.size(); ++f)
-                if (axes_[f].span.follows == axes_[d].name && axes_[f].words.empty() && full[f] && *full[d] > 0 &&
-                    step > 0)
-                    changed[f] = axes_[f].rounded(*full[f] * (step / *full[d]));
-            changed = normal(changed);
-            if (changed != setting) result.push_back(std::move(changed));
-        }
-    }
-    return result;
-}
-
-Setting SearchSpace::with_all_changes(const Setting& setting, const std::vector<Setting>& better) const {
-    Setting all = setting;
-    for (const Setting& other : better)
-        for (std::size_t d = 0; d < axes_.size(); ++d)
-            if (all[d] == setting[d]) all[d] = other[d];
-    return normal(all);
-}
-
-Setting SearchSpace::with_change_repeated(const Setting& from, const Setting& to) const {
-    Setting next = to;
-    for (std::size_t d = 0; d < axes_.size(); ++d) {
-        if (!axes_[d].words.empty()) continue;
-        const auto before = effective(from, d), after = effective(to, d);
-        if (before && after && *before > 0 && *before != *after)
-            next[d] = axes_[d].rounded(*after * (*after / *before));
-    }
-    return normal(next);
 }
 
 MethodLabel with_value(MethodLabel label, const std::string& parameter, const std::string& value) {

@@ -16,7 +16,6 @@ namespace gib {
 struct TuningAxis {
     std::string name;
     TuningSpan span = {0, 0};             ///< range of a number
-    double least = 0, most = 0;           ///< the parameter's own range, which steps beyond the span may use
     bool is_whole = false;                ///< whether only whole numbers are valid
     std::vector<std::string> words = {};  ///< all values, if it is no number; a value is then the place of its word
     std::optional<double> initial = {};   ///< the default; none: it is no value of this axis
@@ -25,7 +24,7 @@ struct TuningAxis {
 
     /// The value at a share from 0 to 1 of the span. A default apart from the span has the first quarter.
     double at(double share) const;
-    /// The nearest number of two digits in the parameter's range.
+    /// The nearest number of two digits.
     double rounded(double value) const;
     std::string text(double value) const;
 };
@@ -66,13 +65,6 @@ public:
     /// The defaults, and `count` settings that cover the axes evenly (Owen-scrambled Sobol' points, sampler.h), without
     /// duplicates.
     std::vector<Setting> cover(int count) const;
-    /// The settings in which one number, and those that follow it (TuningSpan), is half or twice as large, as far as its
-    /// range allows, and those with another word. From a default that is no number there is no step.
-    std::vector<Setting> neighbours(const Setting& setting) const;
-    /// `setting` with the first change of each axis among `better`, which differ from it by one step each, the best first.
-    Setting with_all_changes(const Setting& setting, const std::vector<Setting>& better) const;
-    /// `to` with each number that differs from that of `from` changed by the same factor again, as far as its range allows.
-    Setting with_change_repeated(const Setting& from, const Setting& to) const;
 
 private:
     /// The setting with none for the default and for values that the method refuses.

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace gib {
 
@@ -37,6 +36,14 @@ Estimate mean_of(const std::vector<double>& values) {
 
 Estimate mapped(const Estimate& e, double (*to)(double)) {
     return {to(e.value), e.interval ? std::optional(Interval{to(e.interval->lo), to(e.interval->hi)}) : std::nullopt};
+}
+
+/// The floor of a law. The law's interval ends at the last error, which has an interval of its own.
+Estimate floor_of(const PriceLaw& price, const Estimate& last_error) {
+    Estimate floor = mapped(price.floor, std::sqrt);
+    if (floor.interval && last_error.interval && floor.interval->hi >= 0.999 * last_error.value)
+        floor.interval->hi = std::max(floor.interval->hi, last_error.interval->hi);
+    return floor;
 }
 
 /// The time of independent samples: the mean over the runs, of which each counts with its own time or with the law through its
@@ -121,7 +128,7 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     const auto time = price ? price->extrapolate(sqr(target), is_unbiased) : std::nullopt;
     if (converged || (time && time->kind == Extrapolation::Kind::never)) {
         verdict.state = Verdict::not_reachable;
-        verdict.floor = converged ? mean_of(errors) : mapped(price->floor, std::sqrt);
+        verdict.floor = converged ? mean_of(errors) : floor_of(*price, mean_of(errors));
         return verdict;
     }
     verdict.state = Verdict::extrapolated;
@@ -134,24 +141,6 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     verdict.seconds = beyond_runs(seconds, cells, target);
     verdict.passes = passes_after(cells, verdict.seconds.value);
     return verdict;
-}
-
-std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides) {
-    constexpr double least = 0.01;  // [s]; one pass always completes
-    constexpr double most_for_one = 0.8;
-    std::vector<std::size_t> order(wanted.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return wanted[i]; });
-    std::vector<double> shares(wanted.size());
-    auto left = static_cast<double>(wanted.size());
-    for (const std::size_t i : order) {
-        const double even = seconds / left - besides, alone = most_for_one * (seconds - left * besides);
-        const bool needs_more = even < wanted[i] / 2 && wanted[i] / 2 <= alone;
-        shares[i] = std::max(least, std::min(wanted[i], needs_more ? alone : even));
-        seconds -= shares[i] + besides;
-        --left;
-    }
-    return shares;
 }
 
 }  // namespace gib

@@ -1,6 +1,5 @@
 #pragma once
-// The times of a tuning: to an error, from the checkpoints of one short run, for the search, and of all final runs of a setting;
-// and how the time that the search leaves is divided among the final runs.
+// The times of a tuning: to an error, from the checkpoints of one short run, for the search, and of all final runs of a setting.
 
 #include "experiments/results/result_folder.h"
 #include "experiments/tuning/halving_search.h"
@@ -41,10 +40,5 @@ struct Verdict {
 /// `is_unbiased`: the floor is known to be 0. Times that were not measured are those of PriceLaw::extrapolate(); fewer than three runs
 /// or four points have no such law, and then times are known of unbiased methods alone.
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
-
-/// Seconds for each of several runs, of which run i wants `wanted[i]`, so that together they take at most `seconds`, with
-/// `besides` more for each: what they want, or an even share of what those that want less leave. A run needs half of what it wants to
-/// reach what it is made for: where its even share is less, it has up to four fifths of the time that is left if this suffices.
-std::vector<double> shared_seconds(const std::vector<double>& wanted, double seconds, double besides);
 
 }  // namespace gib

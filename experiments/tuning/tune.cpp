@@ -1,4 +1,4 @@
-// The time of a tuning is divided among reference, search, choice and final runs. What is left of a part goes to the next one.
+// The time of a tuning is divided among reference, search and final runs. What one part leaves goes to the next one.
 #include "experiments/tuning/tune.h"
 
 #include "common/core/nearest_word.h"
@@ -14,36 +14,28 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace gib {
 
 namespace {
 
-/// When each part has to end, as shares of the whole time. A reference that does not resolve the target by then goes on; the other
-/// parts then have the same shares of the rest.
-constexpr double reference_end = 0.25, latest_reference_end = 0.5, search_end = 0.6, choice_end = 0.7;
-/// With the fewest seeds, the final runs of the methods' best settings take at most this share of what is left then. Defaults and
-/// neighbours run only where all seeds of all settings leave time for them.
-constexpr double best_share = 0.7;
+/// Shares of the whole time: of the reference, and of a reference that does not resolve the target by then. The search has its share
+/// of what the reference leaves, or would leave if it took all of its time.
+constexpr double reference_share = 0.25, latest_reference_share = 0.5, search_share = 0.6;
 
-/// The search has one seed, the choice among its best settings others, because the best of many settings is partly the luckiest
-/// with the seed that chose it. The final runs judge by the seeds 1 to final_seeds, which have chosen nothing. If time is
-/// short, there are at least fewest_seeds.
-constexpr std::uint64_t search_seed = 1001, first_choice_seed = 1002, choice_seeds = 3, final_seeds = 5,
-                        fewest_seeds = 3;
-/// A setting takes part in the choice if its time in the search is at most this many times that of the method's best.
-constexpr double close_enough = 1.3;
-/// Limit on the settings of a method that take part beside its best one.
-constexpr std::size_t most_close = 3;
-/// Runs may take this many times as long as the target is expected to take, because seeds and the load of the machine differ.
+/// Each round of the search has the next seed from the first one on, because the best of many settings is partly the luckiest
+/// with the seed that chose it. The final runs judge by seeds that have chosen nothing, 1 to final_seeds. Their budgets leave time
+/// for at least fewest_seeds.
+constexpr std::uint64_t first_search_seed = 1001, final_seeds = 5, fewest_seeds = 3;
+/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison. What the
+/// first round has measured by its end is the cover.
+constexpr double charged_share = 0.6, first_round_end = 0.7;
+/// Final runs may take this many times as long as the target is expected to take, because seeds and the load of the machine
+/// differ.
 constexpr double ample = 2;
-/// Other settings are given up after this many times the time of the best one: it is enough to know that they take longer.
-constexpr double longest_factor = 3;
 
 /// The methods that are searched. Throws InputError if a label or a variation is wrong.
 std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
@@ -85,15 +77,15 @@ public:
     }
 
     int run(std::ostream& out) {
-        const std::string words = runs_.make_reference(reference_end * seconds(), latest_reference_end * seconds());
+        const std::string words = runs_.make_reference(reference_share * seconds(), latest_reference_share * seconds());
         if (!words.empty()) {
             std::cerr << words << "\n";
             return exit_failed;
         }
-        begin_ = std::max(reference_end, runs_.used() / seconds());
+        const double left = std::min(1 - reference_share, 1 - runs_.used() / seconds());
         for (std::size_t m = 0; m < result_.methods.size(); ++m)
-            search_method(m);
-        choose();
+            search_method(m, search_share * left * seconds());
+        std::ranges::stable_sort(result_.finals, {}, &FinalSetting::budget);
         measure_finals();
         result_.used_seconds = runs_.used();
         const std::string report = runs_.write_results(tuning_json(result_));
@@ -105,30 +97,24 @@ public:
 
 private:
     double seconds() const { return 60 * result_.minutes; }
-    /// When a part has to end [s] that ends after this share of the whole time if the reference takes no more than its part.
-    double end_of(double share) const { return seconds() * (1 - (1 - share) * (1 - begin_) / (1 - reference_end)); }
-    /// The longest time of a final run if only the best settings and the defaults of each method have one.
-    double horizon() const {
-        return (seconds() - end_of(choice_end)) / (2.0 * fewest_seeds * static_cast<double>(result_.methods.size()));
-    }
+    /// The longest time that the best settings of one method can have for a final run, if the search leaves nothing.
+    double horizon() const { return (1 - reference_share) * (1 - search_share) * seconds() / (2 * fewest_seeds); }
     static double weight(const TunedMethod& method) {
         return static_cast<double>(1 + settings_per_axis * method.space.axes().size());
     }
 
-    void search_method(std::size_t m) {
+    void search_method(std::size_t m, double seconds_of_all) {
         TunedMethod& method = result_.methods[m];
-        const double begin = runs_.used();
-        const double all =
-            std::accumulate(result_.methods.begin() + static_cast<std::ptrdiff_t>(m), result_.methods.end(), 0.0,
-                            [](double sum, const TunedMethod& t) { return sum + weight(t); });
-        const double share = std::max(0.0, end_of(search_end) - begin) * weight(method) / all;
-        const SearchLimits limits{.seconds = share, .elapsed = [&] { return runs_.used() - begin; }};
-        const SearchOutcome found = search(method.space, limits, [&](const auto& settings, double budget) {
+        double all = 0;
+        for (const TunedMethod& other : result_.methods)
+            all += weight(other);
+        const double share = seconds_of_all * weight(method) / all, begin = runs_.used();
+        const auto measure = [&](const auto& settings, std::uint64_t round, double budget) {
             std::vector<TuningRuns::Wanted> wanted;
             for (const Setting& setting : settings)
-                wanted.push_back({method.space.label(setting), search_seed, budget});
+                wanted.push_back({method.space.label(setting), first_search_seed + round, budget});
             std::vector<std::optional<TimeEstimate>> times;
-            const auto runs = runs_.measured(wanted, begin + share);
+            const auto runs = runs_.measured(wanted, begin + (round == 0 ? first_round_end : 1) * share);
             for (std::size_t i = 0; i < runs.size(); ++i) {
                 const auto& [cell, is_left_out] = runs[i];
                 if (cell) times.push_back(estimated_time(*cell, target_, horizon()));
@@ -136,88 +122,31 @@ private:
                 if (cell) searched_[wanted[i].label.text()] = *cell;
             }
             return times;
-        });
+        };
+        const SearchOutcome found = search(method.space, charged_share * share, measure);
         method.trials = found.trials;
         if (method.trials.empty()) method.trials.push_back({method.space.defaults(), {}});
+        const Trial& best = method.trials.front();
+        result_.finals.push_back(
+            {.method = m, .setting = best.setting, .is_best = true, .budget = ample * best.time.cost()});
         if (found.is_cut)
             result_.notes.push_back(
                 fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    /// Sets the budget to an ample one by the seeds of the choice; infinite unless all of its runs were done.
-    void estimate(FinalSetting& candidate) {
-        std::vector<TuningRuns::Wanted> wanted;
-        for (std::uint64_t seed = first_choice_seed; seed < first_choice_seed + choice_seeds; ++seed)
-            wanted.push_back({result_.label(candidate), seed, std::min(candidate.budget, horizon())});
-        double log_cost = 0;
-        for (const TuningRuns::Run& run : runs_.measured(wanted, end_of(choice_end)))
-            log_cost += run.cell ? std::log(estimated_time(*run.cell, target_, horizon()).cost()) : INFINITY;
-        candidate.budget = ample * std::exp(log_cost / choice_seeds);
-    }
-
-    /// Chooses the best setting of each method, and the order of the methods, by seeds that the search has not seen. What
-    /// seems to take long comes last, so that time is short for it alone.
-    void choose() {
-        std::vector<FinalSetting> candidates;
-        for (std::size_t m = 0; m < result_.methods.size(); ++m) {
-            const auto& trials = result_.methods[m].trials;
-            for (std::size_t i = 0; i <= std::min(most_close, trials.size() - 1); ++i)
-                if (i == 0 || trials[i].time.cost() <= close_enough * trials.front().time.cost())
-                    candidates.push_back(
-                        {.method = m, .setting = trials[i].setting, .budget = ample * trials[i].time.cost()});
-        }
-        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
-        for (FinalSetting& candidate : candidates)
-            if (candidates.size() > 1) estimate(candidate);
-        std::ranges::stable_sort(candidates, {}, &FinalSetting::budget);
-        for (const FinalSetting& candidate : candidates)
-            if (std::ranges::count(result_.finals, candidate.method, &FinalSetting::method) == 0) {
-                result_.finals.push_back(candidate);
-                result_.finals.back().is_best = true;
-            }
-    }
-
-    /// The defaults of each method, then the neighbours of the best setting.
-    std::vector<FinalSetting> others() const {
-        std::vector<FinalSetting> all;
-        for (const FinalSetting& best : result_.finals) {
-            const SearchSpace& space = result_.methods[best.method].space;
-            if (space.defaults() != best.setting) all.push_back({.method = best.method, .setting = space.defaults()});
-        }
-        const FinalSetting& first = result_.finals.front();
-        const SearchSpace& space = result_.methods[first.method].space;
-        for (const Setting& setting : space.neighbours(first.setting))
-            if (setting != space.defaults()) all.push_back({.method = first.method, .setting = setting});
-        return all;
-    }
-
-    /// The budgets of all final runs. Other settings than the best are left out where their runs would not end in time.
+    /// The budgets of the final runs: each method, the most promising first, has what it needs, but at most half of what is left;
+    /// the last one may have all. The defaults of a method have the budget of its best settings, and come last.
     void plan_finals() {
-        const double left = std::max(0.0, seconds() - runs_.used()), besides = runs_.besides();
-        std::vector<double> wanted;
-        for (const FinalSetting& f : result_.finals)
-            wanted.push_back(f.budget);
-        const auto budgets = shared_seconds(wanted, best_share * left / fewest_seeds, besides);
-        double used = 0;
-        for (std::size_t i = 0; i < budgets.size(); ++i) {
-            result_.finals[i].budget = budgets[i];
-            used += final_seeds * (budgets[i] + besides);
+        double left = std::max(0.0, seconds() - runs_.used()) / fewest_seeds;
+        const std::size_t bests = result_.finals.size();
+        for (std::size_t i = 0; i < bests; ++i) {
+            FinalSetting& f = result_.finals[i];
+            f.budget = std::min(f.budget, i + 1 < bests ? left / 2 : left);
+            left -= f.budget;
+            const Setting defaults = result_.methods[f.method].space.defaults();
+            if (defaults != f.setting)
+                result_.finals.push_back({.method = f.method, .setting = defaults, .budget = f.budget});
         }
-        const double longest = longest_factor / ample * result_.finals.front().budget;
-        const auto more = others();
-        std::size_t kept = 0;
-        for (const FinalSetting& other : more) {
-            used += final_seeds * (longest + besides);
-            if (used > left) break;
-            result_.finals.push_back(other);
-            result_.finals.back().budget = longest;
-            ++kept;
-        }
-        if (kept < more.size())
-            result_.notes.push_back(
-                fmt::format("{} of {} other settings had no time for final runs, neighbours of the best "
-                            "first",
-                            more.size() - kept, more.size()));
     }
 
     void measure_finals() {
@@ -227,19 +156,15 @@ private:
         std::vector<double> budgets;
         for (const FinalSetting& f : result_.finals) {
             labels.push_back(result_.label(f));
-            budgets.push_back(f.budget);
+            budgets.push_back(std::max(f.budget, 0.01));  // one pass always completes
         }
         runs_.begin_experiment(labels, budgets, final_seeds);
         std::vector<std::vector<Cell>> cells(labels.size());
         std::vector<std::pair<std::size_t, std::uint64_t>> order;  // setting, seed
-        for (std::size_t i = 0; i < labels.size(); ++i)
-            for (std::uint64_t seed = 1; seed <= final_seeds; ++seed)
+        for (std::uint64_t seed = 1; seed <= final_seeds; ++seed)
+            for (std::size_t i = 0; i < labels.size(); ++i)
                 order.emplace_back(i, seed);
-        // The fewest seeds of each method's best settings come first, the cheapest method before all others, because each one
-        // is to have a verdict; then their other seeds, then the other settings.
-        std::ranges::stable_sort(order, {}, [&](const auto& run) {
-            return std::pair(run.first >= bests, run.first < bests && run.second > fewest_seeds);
-        });
+        std::ranges::stable_sort(order, {}, [&](const auto& run) { return run.first >= bests; });
         std::vector<TuningRuns::Wanted> wanted;
         for (const auto& [i, seed] : order)
             wanted.push_back({labels[i], seed, budgets[i]});
@@ -269,9 +194,8 @@ private:
     }
 
     double target_;
-    double begin_ = reference_end;  ///< share of the time after which the search begins
     TuningRuns runs_;
-    std::map<std::string, Cell> searched_;  ///< the latest run of each label by the seed of the search
+    std::map<std::string, Cell> searched_;  ///< the latest run of each label in the search
     TuningResult result_;
 };
 

@@ -7,7 +7,6 @@
 #include "methods/method.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -50,14 +49,26 @@ json parameters_of(const SearchSpace& space) {
     return all;
 }
 
-/// The label of a setting with the samples a pixel that its verdict names.
+/// The label of a setting, with the samples a pixel to the target if its verdict knows them.
 std::string label_to_paste(const TuningResult& result, const FinalSetting& f) {
     const MethodLabel label = result.label(f);
-    return f.verdict.passes > 0 ? with_value(label, "spp", std::to_string(f.verdict.passes)).text() : label.text();
+    const auto& [state, interval] = std::pair(f.verdict.state, f.verdict.seconds.interval);
+    const bool is_known =
+        state == Verdict::measured || (state == Verdict::extrapolated && interval && std::isfinite(interval->hi));
+    return is_known ? with_value(label, "spp", std::to_string(f.verdict.passes)).text() : label.text();
 }
 
-/// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % is not
-/// reachable: floor 16.1 % (15.8 to 16.4), 16.3 % after 3 s".
+/// An extrapolated time: a bound or a guess within twice the runs' own time says no more than the runs do.
+std::string extrapolated_text(const Verdict& verdict) {
+    const double lo = verdict.seconds.interval->lo, value = verdict.seconds.value, least = 2 * verdict.seconds_of_error;
+    if (std::isfinite(verdict.seconds.interval->hi)) return fmt::format(" after {} s", with_interval(verdict.seconds));
+    const std::string bound = lo >= least ? fmt::format(" after at least {} s", short_number(lo)) : "";
+    if (!(value > lo && value >= least && std::isfinite(value))) return bound;
+    return fmt::format("{} perhaps {} s", bound.empty() ? " after" : bound + ",", short_number(value));
+}
+
+/// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % not
+/// reached: 6 % after 4 s", "5 % not reached: these settings have a floor of 16.1 (15.8 to 16.4) %, 16.3 % after 3 s".
 std::string time_text(const TuningResult& result, const FinalSetting& f) {
     const Verdict& verdict = f.verdict;
     const std::string end =
@@ -66,22 +77,16 @@ std::string time_text(const TuningResult& result, const FinalSetting& f) {
                                  ? fmt::format(", {} of {} runs have reached it", verdict.reached, verdict.runs)
                                  : "";
     const std::string runs = some + (!f.is_fresh ? ", by the run that chose it" : verdict.runs == 1 ? ", one run" : "");
-    const auto& interval = verdict.seconds.interval;
     switch (verdict.state) {
         case Verdict::measured:
             return fmt::format("{} after {} s, measured{}", result.target, with_interval(verdict.seconds), runs);
-        case Verdict::extrapolated:
-            if (interval && std::isinf(interval->hi))
-                return fmt::format("{} after at least {} s, {}extrapolated from {}{}", result.target,
-                                   short_number(interval->lo),
-                                   verdict.seconds.value > interval->lo && std::isfinite(verdict.seconds.value)
-                                       ? fmt::format("perhaps {} s, ", short_number(verdict.seconds.value))
-                                       : "",
-                                   end, runs);
-            return fmt::format("{} after {} s, extrapolated from {}{}", result.target, with_interval(verdict.seconds),
-                               end, runs);
+        case Verdict::extrapolated: {
+            const std::string time = extrapolated_text(verdict);
+            return time.empty() ? fmt::format("{} not reached: {}{}", result.target, end, runs)
+                                : fmt::format("{}{}, extrapolated from {}{}", result.target, time, end, runs);
+        }
         case Verdict::not_reachable:
-            return fmt::format("{} is not reachable: floor {} %, {}{}", result.target,
+            return fmt::format("{} not reached: these settings have a floor of {} %, {}{}", result.target,
                                with_interval(verdict.floor, percent), end, runs);
         case Verdict::no_image:
             break;
@@ -113,16 +118,6 @@ std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     return fmt::format("{} times as long{}", with_interval(factor), is_tie ? ", cannot be told from the best" : "");
 }
 
-/// How a setting differs from another one of its method: "k=25 cache=on", or "the defaults".
-std::string difference(const SearchSpace& space, const Setting& setting, const Setting& other) {
-    if (setting == space.defaults()) return "the defaults";
-    std::vector<std::string> words;
-    for (std::size_t d = 0; d < space.axes().size(); ++d)
-        if (const auto value = space.effective(setting, d); value && value != space.effective(other, d))
-            words.push_back(space.axes()[d].name + "=" + space.axes()[d].text(*value));
-    return fmt::format("{}", fmt::join(words, " "));
-}
-
 /// The lines between the label to paste and the verdicts.
 std::vector<std::string> tuning_lines(const TuningResult& result) {
     const FinalSetting* best = result.best();
@@ -140,11 +135,9 @@ std::vector<std::string> tuning_lines(const TuningResult& result) {
             lines.push_back(fmt::format("{}: {}", result.label(f).text(), factor_text(f, *best)));
     for (const FinalSetting& of_method : result.finals) {
         if (!of_method.is_best || of_method.verdict.state != Verdict::measured) continue;
-        const SearchSpace& space = result.methods[of_method.method].space;
         for (const FinalSetting& f : result.finals)
             if (f.method == of_method.method && !f.is_best)
-                lines.push_back(fmt::format("{} with {}: {}", space.base().text(),
-                                            difference(space, f.setting, of_method.setting),
+                lines.push_back(fmt::format("{} with the defaults: {}", result.methods[f.method].space.base().text(),
                                             factor_text(f, of_method)));
     }
     return lines;

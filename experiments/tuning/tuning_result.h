@@ -22,7 +22,7 @@ struct TunedMethod {
 struct FinalSetting {
     std::size_t method;  ///< index of its TunedMethod
     Setting setting;
-    bool is_best = false;  ///< the best one of its method; else it shows what other settings take
+    bool is_best = false;  ///< the best one of its method; else its defaults
     double budget = 0;     ///< longest time of a run [s]
     Verdict verdict = {};
     bool is_fresh = true;  ///< false: no time was left for final runs, and the verdict is that of the search's run
@@ -34,7 +34,7 @@ struct TuningResult {
     double minutes = 0;       ///< time that was asked for
     double used_seconds = 0;  ///< time that reference, search and final runs took
     std::vector<TunedMethod> methods = {};
-    /// The best setting of each method stands before all others, in the order that the seeds before have given.
+    /// The best setting of each method stands before all others, in the order of the search's times.
     std::vector<FinalSetting> finals = {};
     std::vector<std::pair<double, Estimate>> along_the_way = {};  ///< seconds of the best setting to other errors
     std::vector<std::string> notes = {};                          ///< steps that were cut short for lack of time
@@ -45,7 +45,7 @@ struct TuningResult {
     const FinalSetting* best() const;
 };
 
-/// The label of the best setting, if one has reached the target, with its times; the other settings beside the best one of
+/// The label of the best setting, if one has reached the target, with its times; the defaults beside the best settings of
 /// their method; what was cut; and at the end a line with the verdict of each method.
 std::string tuning_text(const TuningResult& result);
 

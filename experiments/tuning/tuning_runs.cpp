@@ -5,18 +5,17 @@
 #include "experiments/measuring/reference.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/text/json_record.h"
 #include "experiments/tuning/search_space.h"
 #include "methods/method.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
+#include <map>
 #include <regex>
+#include <span>
 
 namespace gib {
 
@@ -24,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* reference_entry = "reference";
 /// The reference goes on while its error is above this share of the target. Nothing is judged if it ends above the larger one: its
 /// variance is subtracted from squared errors, but is itself known only to some per cent, and is then as large as what is left.
 constexpr double wanted_reference_error = 0.5, most_reference_error = 0.7;
@@ -63,11 +61,6 @@ TuningRuns::TuningRuns(const TuneFile& file, const ExperimentScene& scene, const
                        const std::vector<MethodLabel>& methods)
     : file_(file), scene_(scene), options_(options) {
     open(methods, 1);
-    try {
-        seconds_ = read_json(session_->folder.file("times.json")).get<std::map<std::string, double>>();
-    } catch (const std::exception&) {  // the first run, or a damaged file
-        seconds_.clear();
-    }
 }
 
 std::string TuningRuns::experiment_text(const std::vector<MethodLabel>& labels, int seeds) const {
@@ -95,21 +88,7 @@ void TuningRuns::open(const std::vector<MethodLabel>& labels, int seeds) {
 }
 
 double TuningRuns::used() const {
-    double used = 0;
-    for (const std::string& name : counted_)
-        used += seconds_.at(name);
-    return used;
-}
-
-void TuningRuns::spend(const std::string& name, double seconds) {
-    seconds_[name] = seconds;
-    counted_.insert(name);
-    write_file(session_->folder.file("times.json"), nlohmann::json(seconds_).dump(1) + "\n", Flush::later);
-}
-
-void TuningRuns::spend_again(const std::string& name, double seconds) {
-    const auto known = seconds_.find(name);
-    spend(name, known == seconds_.end() ? seconds : known->second);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() + stored_seconds_;
 }
 
 std::string TuningRuns::make_reference(double seconds, double most_seconds) {
@@ -117,7 +96,6 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     const double target = parse_target(file_.target), wanted_error = wanted_reference_error * target,
                  most_error = most_reference_error * target;
     std::optional<double> error;  // of the light that is judged; none: there is none
-    const auto start = std::chrono::steady_clock::now();
     for (const double limit : {seconds, most_seconds}) {
         scene.entry.goal.seconds = limit;
         session_->make_references();
@@ -131,9 +109,6 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         scene.entry.goal.target = wanted_error;  // what it goes on for
     }
     session_->write_index();  // with the notes on the reference
-    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    spend_again(reference_entry, took);
-
     if (!error) return "the reference resolves no light of the scene";
     if (*error <= most_error) return "";
     const Experiment& head = file_.head;
@@ -162,23 +137,18 @@ std::vector<TuningRuns::Run> TuningRuns::measured(const std::vector<Wanted>& wan
     std::vector<WorkCell> cells;
     for (const Wanted& one : wanted)
         cells.push_back(cell_of(one));
-    std::vector<const WorkCell*> left;
+    std::vector<const WorkCell*> missing;
     for (const WorkCell& cell : cells) {
         const auto stored = folder.read_cell(cell.name, cell.identity.key());
-        if (!stored) left.push_back(&cell);
-        else spend_again(cell.name, stored->load_seconds + stored->last().seconds);
+        if (stored) stored_seconds_ += stored->load_seconds + stored->last().seconds;
+        else missing.push_back(&cell);
     }
-    run_cells(left, session_->runner, session_->log.progress,
-              {.seconds_left = [&] { return deadline - used(); },
-               .spent = [&](const WorkCell& cell, double seconds) { spend(cell.name, seconds); }});
+    const std::size_t begun =
+        run_cells(missing, session_->runner, session_->log.progress, [&] { return deadline - used(); });
+    const std::span left_out = std::span(missing).subspan(begun);
     std::vector<Run> runs;
-    for (const WorkCell& cell : cells) {
-        Run& run = runs.emplace_back(Run{folder.read_cell(cell.name, cell.identity.key()), false});
-        run.is_left_out = counted_.count(cell.name) == 0;
-        if (!run.cell) continue;
-        besides_ += std::max(0.0, seconds_.at(cell.name) - run.cell->last().seconds);
-        ++runs_;
-    }
+    for (const WorkCell& cell : cells)
+        runs.push_back({folder.read_cell(cell.name, cell.identity.key()), std::ranges::count(left_out, &cell) > 0});
     return runs;
 }
 

@@ -1,17 +1,15 @@
 #pragma once
 // The runs of a tuning. All of them stand in one result folder: those that choose settings under names of their own, and at
 // the end an experiment of the best settings. A run that was measured before an interruption is found again and counts
-// with the time that it took, so that the same decisions follow. A reference that was interrupted counts with the time of its
-// last session alone.
+// with the seconds in its record.
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/run/run_session.h"
 
+#include <chrono>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -45,10 +43,8 @@ public:
     /// Writes tune.json and then tables and report of that experiment. Returns the report's path.
     std::string write_results(const std::string& tune_json);
 
-    /// Seconds of the reference and of all runs so far.
+    /// Seconds since the beginning, and those of the runs that were stored before.
     double used() const;
-    /// Seconds that a run takes besides those that it is charged: its process, loading, the comparison with the reference.
-    double besides() const { return runs_ > 0 ? besides_ / runs_ : 0.6; }  // measured at 256 x 256 pixels on two cores
     /// Whether the method leaves out nothing of the scene and has no bias.
     bool is_unbiased(const MethodLabel& label) const;
     /// Effects and light that the method leaves out in this scene.
@@ -58,18 +54,14 @@ private:
     std::string experiment_text(const std::vector<MethodLabel>& labels, int seeds) const;
     void open(const std::vector<MethodLabel>& labels, int seeds);
     WorkCell cell_of(const Wanted& wanted) const;
-    void spend(const std::string& name, double seconds);
-    /// The same with what times.json says it took, if it says so.
-    void spend_again(const std::string& name, double seconds);
 
     const TuneFile& file_;
     const ExperimentScene& scene_;
     const RunOptions& options_;
     std::unique_ptr<RunSession> session_;
     bool is_experiment_ = false;
-    std::map<std::string, double> seconds_;  ///< that the reference and each run took, as times.json keeps them
-    std::set<std::string> counted_;          ///< those of them that this tuning has asked for
-    double besides_ = 0, runs_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double stored_seconds_ = 0;  ///< of runs before an interruption
 };
 
 }  // namespace gib

@@ -14,7 +14,6 @@
 #include "common/scene/scene.h"
 #include "methods/guided_path/guided_directions.h"
 #include "methods/parts/photons/find_guide.h"
-#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/transport/point_set_parameter.h"
@@ -99,9 +98,6 @@ public:
                 {"quadtree_nodes", std::to_string(field_.node_count())},
                 guide_fact(pays())};
     }
-    StoredLight stored_light() const override {
-        return {.cells = field_.cells(depth_of_cells), .changes_with_passes = learns_};
-    }
 
 private:
     bool pays() const { return field_.concentrated_share() >= share_that_pays; }
@@ -178,7 +174,6 @@ MethodDescription describe_guided_path() {
         .makes_references = false,
         .ray_cost = 2,
         .samples_pixels_alone = true,
-        .stores_light = true,
     };
 }
 

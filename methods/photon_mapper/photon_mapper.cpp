@@ -343,7 +343,7 @@ std::vector<Parameter> photon_mapper_parameters() {
                                 "photons in an estimate; auto: 50 at 1e5 photons, growing as photons^(2/3); all: all "
                                 "within the radius",
                                 {"auto", "all"}),
-              {20, 500, true, "photons"}),
+              {20, 500, true}),
         number_parameter("radius", "0.1", diagonals, 0, 1, "largest radius of a look-up in the global map"),
         number_parameter("caustic_radius", "0.025", diagonals, 0, 1,
                          "largest radius of a look-up in the caustic map, whose light has sharp edges"),

@@ -56,6 +56,5 @@ def one_label_a_method(results):
         merged = len(before[begin]) > 1 and len(after.get(begin, ())) < 2
         return {**row, "label": begin + "".join(text for text in shown if not (merged and text.lstrip(", ").startswith("spp=")))}
 
-    table, curves, spectra, stages = ([row for row in rows if (row["scene"], row["method"]) in kept]
-                                      for rows in (results.table, results.curves, results.spectra, results.stages))
-    return replace(results, table=[named(row) for row in table], curves=curves, spectra=spectra, stages=stages)
+    table, curves = ([row for row in rows if (row["scene"], row["method"]) in kept] for rows in (results.table, results.curves))
+    return replace(results, table=[named(row) for row in table], curves=curves)

@@ -11,12 +11,9 @@ TABLE = ("scene", "method", "label", "component", "seeds", "passes", "external",
          "rel_mse_corrected_lo", "rel_mse_corrected_hi", "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance",
          "variance_lo", "variance_hi", "bias_state", "effects_missing", "components_missing", "noise_centroid", "flip",
          *(f"seconds_to_{target}pct{end}" for target in TARGETS for end in ("", "_state", "_law", "_law_lo", "_law_hi")))
-SPECTRA = ("scene", "method", "kind", "frequency", "power", "component")
-STAGES = ("scene", "method", "seed", "stage", "seconds")
 BIAS_LAWS = ("scene", "method", "parameter", "component", "values", "resolved", "exponent", "exponent_lo", "exponent_hi",
              "theory", "factor")
-TEXT = {"scene", "method", "label", "component", "passes", "external", "effects_missing", "components_missing", "kind", "stage",
-        "seed", "bias_state", "parameter",
+TEXT = {"scene", "method", "label", "component", "passes", "external", "effects_missing", "components_missing", "seed", "bias_state", "parameter",
         *(f"seconds_to_{target}pct_state" for target in TARGETS)}
 
 
@@ -29,8 +26,6 @@ class Results:
     """Lists of rows. A row is a dict by column of texts and numbers; None if the field is empty."""
     curves: list
     table: list
-    spectra: list
-    stages: list
     bias_laws: list
 
 
@@ -77,15 +72,14 @@ def read_table(path, columns):
 
 
 def read_results(folder):
-    """Raises InputError. spectra.csv may have no rows, because spectra need at least 3 seeds."""
+    """Raises InputError."""
     if not os.path.isdir(folder):
         raise InputError(f"{folder}: there is no such folder")
 
     def table(name, columns):
         return read_table(os.path.join(folder, name), columns)
 
-    results = Results(table("curves.csv", CURVES), table("table.csv", TABLE), table("spectra.csv", SPECTRA),
-                      table("stages.csv", STAGES),
+    results = Results(table("curves.csv", CURVES), table("table.csv", TABLE),
                       # Older folders have no such file.
                       table("bias_laws.csv", BIAS_LAWS) if os.path.exists(os.path.join(folder, "bias_laws.csv")) else [])
     for name, rows in (("curves.csv", results.curves), ("table.csv", results.table)):

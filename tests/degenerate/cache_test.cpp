@@ -53,16 +53,6 @@ TEST(DegenerateRecord, ThatTouchesASurfaceIsFiniteAndServesNothingElse) {
     EXPECT_EQ(striped_record(1.f, infinity, {}, 0.f).translation[0], Vec3::Zero());
 }
 
-TEST(DegenerateRecord, OfWhatIsNoRadianceIsNotFinite) {
-    const FloatTrapsPaused paused;  // values that are not finite are passed below
-    for (const float bad : {infinity, std::numeric_limits<float>::quiet_NaN()}) {
-        const auto strata = HemisphereStrata::of(16);
-        std::vector<HemisphereSample> samples(static_cast<std::size_t>(strata.count()), {Color::Ones(), 1.f});
-        samples[3].radiance[1] = bad;
-        EXPECT_FALSE(irradiance_record(Vec3::Zero(), Frame(up), strata, samples).is_finite());
-    }
-}
-
 Bounds box_of(float size) {
     Bounds bounds;
     bounds.lower = Vec3::Constant(-size);
@@ -142,31 +132,6 @@ TEST_P(GradientClamp, HasTheReachOfTheory) {
         }
 }
 
-// Sums over records weigh each by up to 1e6 / accuracy at its own place;
-// multiplied by its irradiance, this may overflow.
-TEST(DegenerateCache, BrightRecordsDoNotOverflowWhereTheyLie) {
-    IrradianceCache cache(box_of(1.f), accuracy);
-    cache.insert(plain_record(3e38f, Vec3::Zero(), 1), {0.f, 1.f});
-    const auto E = cache.interpolate(Vec3::Zero(), up);
-    ASSERT_TRUE(E);
-    EXPECT_NEAR((*E)[0] / 3e38f, 1.f, 1e-6f);
-}
-
-// The clamp follows the mean of the channels. A channel with little light and a
-// large slope may be extrapolated below 0.
-TEST(DegenerateCache, ADarkChannelStaysAboveZero) {
-    IrradianceRecord record = plain_record(1, Vec3::Zero(), 1);
-    record.irradiance[1] = 1e-3f;
-    record.translation[1] = Vec3(1, 0, 0);
-    ASSERT_LT(record.at(Vec3(-0.05f, 0, 0), up)[1], 0.f);
-    IrradianceCache cache(box_of(1.f), accuracy);
-    cache.insert(record, {0.f, 1.f});
-    const auto E = cache.interpolate(Vec3(-0.05f, 0, 0), up);
-    ASSERT_TRUE(E);
-    EXPECT_EQ((*E)[1], 0.f);
-    EXPECT_NEAR((*E)[0], 1.f, 1e-6f);
-}
-
 // A hundred records in one place differ in irradiance; their mean is served, at the place and around it.
 TEST(DegenerateCache, RecordsInOnePlaceAreAveraged) {
     IrradianceCache cache(box_of(1.f), accuracy);
@@ -175,19 +140,6 @@ TEST(DegenerateCache, RecordsInOnePlaceAreAveraged) {
     for (const float x : {0.f, 0.03f, 0.09f})
         EXPECT_NEAR((*cache.interpolate(Vec3(x, 0, 0), up))[0], 50.f, 1e-3f) << x;
     EXPECT_FALSE(cache.covers(Vec3(0.11f, 0, 0), up));
-}
-
-// The bounds of a scene may have no extent: a point, or flat along one axis.
-TEST(DegenerateCache, BoundsWithoutVolumeHoldRecords) {
-    Bounds point, flat = box_of(1.f);
-    point.add(Vec3::Zero());
-    flat.lower.z() = flat.upper.z() = 0.f;
-    for (const Bounds& bounds : {point, flat}) {
-        IrradianceCache cache(bounds, accuracy);
-        cache.insert(plain_record(1, Vec3::Zero(), 1), {0.f, 1.f});
-        EXPECT_TRUE(cache.covers(Vec3::Zero(), up));
-        EXPECT_LT(cache.memory(), 100000u);
-    }
 }
 
 /// A furnace in the form of a cube of side 2. Its walls reflect a half and emit a

@@ -77,21 +77,6 @@ TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
     }
 }
 
-// Without light the solution is black, even if walls reflect more than arrives, so that light would have no solution.
-TEST_P(EverySolver, FindsNoLightWhereThereIsNone) {
-    for (const double rho : {0.0, 0.5, 1.0, 1.2}) {
-        const std::string material = diffuse_bsdf(std::min(rho, 1.0));
-        PatchedScene scene(GetParam().shape == "cube" ? hollow_cube(material) : hollow_sphere(material), 1.3, 0,
-                           rho <= 1);
-        for (Colord& reflectance : scene.light.reflectance)
-            reflectance = Colord::Constant(static_cast<double>(static_cast<float>(rho)));
-        RadiositySolution solution(scene.system, GetParam().solver);
-        solution.sweep();
-        EXPECT_EQ(solution.residual(), 0) << rho;
-        EXPECT_EQ(power_of(scene, solution.radiosity()), 0) << rho;
-    }
-}
-
 // Light that is shut in and absorbed by nothing has no finite power.
 TEST_P(EverySolver, RefusesAClosedRoomThatAbsorbsNothing) {
     const PatchedScene white(closed_room(GetParam().shape, 1.0), 1.3);
@@ -203,37 +188,6 @@ TEST(DegeneratePatches, DuplicatesAddNoLight) {
     EXPECT_EQ(turned.mesh.leaves().size(), PatchedScene(floor_and(one), 0.71, 0, false).mesh.leaves().size());
 }
 
-// A ray meets either of two surfaces in the same place by chance; both show the light of that place.
-TEST(DegeneratePatches, DuplicatesShowTheSameLight) {
-    const std::string ball = sphere_at(Vec3d(0, 0, 0.8), 0.1, diffuse_bsdf(0.7));
-    const std::string rod =
-        shape("cylinder", point("p0", -0.5, 0, 0.8), point("p1", 0.5, 0, 0.8), radius(0.1), diffuse_bsdf(0.7));
-    for (const std::string& thing : {plate(1, diffuse_bsdf(0.8)), ball, rod}) {
-        const PatchedScene scene(floor_and(thing + thing), 0.71, 0, false);
-        RayQueries rays(*scene.loaded.scene);
-        const Vec3 up = Vec3::UnitZ();
-        // The ray starts in the middle of the scene, which is the origin once the scene is loaded.
-        auto hit = rays.intersect(Ray{Vec3(0.03f, 0.02f, 0.f), up});
-        ASSERT_TRUE(hit);
-        std::vector<std::uint32_t> leaves;
-        for (const std::uint32_t shape : {1u, 2u}) {
-            hit->shape = shape;
-            const auto place = scene.mesh.locate(*hit, -up);
-            ASSERT_TRUE(place) << thing;
-            leaves.push_back(place->leaf);
-        }
-        EXPECT_EQ(leaves[0], leaves[1]) << thing;
-        EXPECT_EQ(scene.charts[scene.mesh.sides()[scene.mesh.nodes()[leaves[0]].side].chart].shape, 1u);
-    }
-}
-
-// A sphere whose radius is an ulp of its position has no patches.
-TEST(DegeneratePatches, ShapesSmallerThanTheirPlacesRoundingAreNone) {
-    const std::string speck = sphere_at(Vec3d(100, 0, 0.3), 1e-14, diffuse_bsdf(0.5));
-    const PatchedScene alone(floor_and(""), 0.71, 0, false), with_it(floor_and(speck), 0.71, 0, false);
-    EXPECT_EQ(with_it.mesh.leaves().size(), alone.mesh.leaves().size());
-}
-
 std::string mesh_shape(const TemporaryFolder& folder, const std::string& name, const std::string& obj,
                        const std::string& material) {
     folder.write(name, obj);
@@ -309,24 +263,6 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
             }
         }
     }
-}
-
-// A tile in the middle of the cube, a ten-thousandth as long, sees only the upper half of the walls. All that it
-// receives comes from patches 1e8 times as large, in factors that are right to 1e-4.
-TEST(DegeneratePatches, ATinyPatchSeesLargeOnesAround) {
-    const std::string tile = shape("rectangle", to_world(scale(1e-4)), diffuse_bsdf(0.5)),
-                      floor = shape("rectangle", to_world(translate(0, 0, -1)), diffuse_bsdf(0.5));
-    const PatchedScene scene(open_cube() + tile + floor + point_light(0.2, 0.1, 0.3, 1), 1.01, 0, false);
-    const PatchColors ones(scene.system.node_count(), Colord::Ones());
-    const PatchColors E = scene.system.irradiance(ones);
-    int tiny = 0;
-    for (const std::uint32_t leaf : scene.system.leaves()) {
-        EXPECT_NEAR(E[leaf][0], 1, 2e-4);
-        if (scene.system.area(leaf) > 1e-6) continue;
-        ++tiny;
-        EXPECT_NEAR(scene.system.area(leaf), 4e-8, 1e-12);
-    }
-    EXPECT_EQ(tiny, 1);
 }
 
 }  // namespace

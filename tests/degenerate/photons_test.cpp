@@ -1,9 +1,8 @@
 // Density estimates at the limits of their formulas: no photons, too few, all in
-// one place, without power or with too much.
+// one place, without power.
 
 #include "methods/parts/density/place_rounding.h"
 #include "methods/parts/density/volume_estimate.h"
-#include "methods/parts/gathering/gather_ray.h"
 #include "tests/methods/parts/density/density_fixtures.h"
 
 #include <gmock/gmock.h>
@@ -15,8 +14,8 @@ namespace {
 
 constexpr double pi_d = std::numbers::pi;
 const Vec3 up(0, 0, 1);
-/// Stored powers are rounded to 16 bits; distances, kernel weights and the result to 24 bits.
-constexpr double power_rounding = 0x1p-16, float_rounding = 16 * 0x1p-24;
+/// Distances, kernel weights and the result are rounded to 24 bits.
+constexpr double float_rounding = 16 * 0x1p-24;
 
 /// The kernels of the papers, over the disc and over the ball (methods/parts/density/kernel.h,
 /// methods/parts/density/volume_estimate.cpp): the profile of s = d / r over its own integral.
@@ -266,119 +265,6 @@ TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     EXPECT_NEAR(integral, 2.0 * (k - 1) * std::log(2.0) * octaves, 1e-4 * integral);
     const double inside = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3::Zero())).between_surfaces[0]);
     EXPECT_NEAR(inside * pi_d * delta * delta / n, 1, 1e-5);
-}
-
-// The 40 photons at the point are more than the 16 of the smallest disc that
-// compensation looks at, so that disc has no area.
-TEST(FocusedPhotons, CompensationKeepsTheFocus) {
-    const PhotonMap map(photon_cases()[19].photons, 1);
-    ASSERT_EQ(photon_cases()[19].name, "AtThePointAndBesideIt");
-    const SurfaceHit hit = floor_at(Vec3::Zero());
-    const Reflected L = looked_up({Kernel::uniform, 100, 0.5f, DiscArea::surface, true}, map, hit);
-    const double delta = known_at(Vec3::Zero());
-    EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) * pi_d * pi_d * delta * delta / 40, 1, 1e-5);
-}
-
-// The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may overflow a
-// float. The estimate, over a large disc, does not.
-TEST(BrightPhotons, DoNotOverflowOnTheWay) {
-    SurfaceHit hit = floor_at(Vec3::Zero());
-    hit.ns = Vec3(1, 0, 1).normalized();
-    hit.shading = Frame(hit.ns);
-    const Vec3 wi = Vec3(1, 0, 0.01f).normalized();
-    const float factor = shading_normal_factor(hit, wi);
-    ASSERT_GT(factor, 50.f);
-    const Photon one(Vec3(0.1f, 0, 0), Color::Constant(1e38f), wi, up, 2);
-    const Reflected L = looked_up({Kernel::uniform, all_photons, 1.9f, DiscArea::plain}, PhotonMap({one}, 1), hit);
-    const double stored_factor = static_cast<double>(shading_normal_factor(hit, one.direction()));
-    const double expected =
-        static_cast<double>(one.power()[0]) * stored_factor / pi_d * kernel_on_disc(Kernel::uniform, 0, 1.9f);
-    ASSERT_LT(expected, 3e38);
-    EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) / expected, 1, float_rounding);
-}
-
-// The sum of 2^24 and 4096 times 1/2 would keep none of the halves in single precision.
-TEST(ManyPhotons, OfSmallPowerBesideALargeOneCount) {
-    std::vector<Photon> photons = copies(4097, photon(0, 0, 0.5f));
-    photons.front().set_power(Color::Constant(0x1p24f));
-    const double sum = 0x1p24 + 2048;
-    const PhotonMap map(photons, 1);
-    const Color L = scattered({Kernel::uniform, all_photons, 0.5f, DiscArea::plain}, map, Vec3::Zero());
-    EXPECT_NEAR(static_cast<double>(L[0]) / (sum * kernel_in_ball(Kernel::uniform, 0, 0.5) / (4 * pi_d)), 1, 0x1p-22);
-    const Reflected on_floor =
-        looked_up({Kernel::uniform, all_photons, 0.5f, DiscArea::surface}, map, floor_at(Vec3::Zero()));
-    EXPECT_NEAR(
-        static_cast<double>(on_floor.between_surfaces[0]) / (sum * kernel_on_disc(Kernel::uniform, 0, 0.5) / pi_d), 1,
-        0x1p-22);
-    for (Photon& photon : photons)
-        photon.edges = 3;
-    const Photon bright = photons.front();
-    for (int i = 0; i < 40; ++i) {
-        photons.push_back(bright);
-        photons.back().edges = 2;
-    }
-    const auto share = PhotonLengths(photons).share(2, 3);
-    ASSERT_TRUE(share);
-    EXPECT_NEAR(static_cast<double>(*share), 40 * 0x1p24 / (40 * 0x1p24 + sum), 0x1p-24);
-}
-
-struct Places {
-    std::vector<Photon> photons, places;
-    PhotonMap map;
-    DensityEstimator estimator;
-    PrecomputedIrradiance irradiance;
-
-    Places(std::vector<Photon> all, std::size_t k, float radius)
-        : photons(std::move(all)),
-          places(take_places(photons)),
-          map(photons, 1),
-          estimator{Kernel::uniform, k, radius, DiscArea::surface} {
-        std::uint64_t rays = 0;
-        irradiance = PrecomputedIrradiance(*floor_scene().scene, places, map, estimator, 100, 1, rays, nullptr);
-    }
-    std::optional<Color> at(const Vec3& p) const {
-        RayQueries rays(*floor_scene().scene);
-        return irradiance.at(rays, floor_at(p), up, 10.f, estimator.max_radius);
-    }
-};
-
-TEST(DegeneratePlaces, OfNoPhotonsServeNothing) {
-    for (const std::size_t n : {0u, 1u, 2u}) {
-        const Places places(copies(n, photon(0, 0)), 4, 0.5f);
-        EXPECT_EQ(places.photons.size() + places.places.size(), n);
-        EXPECT_EQ(places.irradiance.size(), places.places.size());
-        EXPECT_EQ(places.at(Vec3(1.5f, 0, 0)), std::nullopt) << "beyond the largest radius";
-    }
-    EXPECT_EQ(Places({}, 4, 0.5f).at(Vec3::Zero()), std::nullopt);
-}
-
-// E = n P / (pi r^2), where n photons that are no places, each with 8 / 7 of its power, lie
-// within r. r is the largest radius if all photons are asked for or they are too few, and the
-// rounding of the place if they are more than k.
-TEST(DegeneratePlaces, OfPhotonsInOnePlaceHaveTheirDensity) {
-    for (const float power : {0.f, 1e-20f, 1.f, 1e20f})
-        for (const std::size_t k : {std::size_t{4}, std::size_t{1000}, all_photons}) {
-            const Places places(copies(64, photon(0, 0, power)), k, 0.5f);
-            ASSERT_GT(places.places.size(), 0u);
-            const auto n = static_cast<double>(places.photons.size());
-            const double r = k == 4 ? known_at(Vec3::Zero()) : 0.5;
-            const double expected = n * 8 / 7 * static_cast<double>(power) / (pi_d * r * r);
-            const auto E = places.at(Vec3::Zero());
-            ASSERT_TRUE(E);
-            // Powers are rounded when they are stored, raised and stored as irradiance.
-            EXPECT_NEAR(static_cast<double>((*E)[0]), expected, 3 * power_rounding * expected) << power << ' ' << k;
-            // The place serves points as far away as its own disc reaches.
-            EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)).has_value(), k != 4);
-        }
-}
-
-// A disc of radius 0 has no area. The places' estimates are 0, and they serve only their own points.
-TEST(DegeneratePlaces, OfRadiusZeroAreBlack) {
-    const Places places(copies(64, photon(0, 0)), 4, 0.f);
-    const auto E = places.at(Vec3::Zero());
-    ASSERT_TRUE(E);
-    EXPECT_TRUE(is_black(*E));
-    EXPECT_EQ(places.at(Vec3(0.1f, 0, 0)), std::nullopt);
 }
 
 }  // namespace

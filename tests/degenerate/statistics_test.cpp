@@ -120,25 +120,6 @@ TEST_P(Outliers, AreLeftOutAsTheFormulasSay) {
     EXPECT_EQ(is_decided_by_outliers(found), few);
 }
 
-// E[z^2; |z| > z0] = 2 (z0 phi(z0) + Q(z0)), where Q is 0.0005 at z0 = 3.2905: the worst thousandth of normal noise
-// holds 1.27 % of its error. These are 250 of 2.5e5 pixels, with squares of 12.7 +- 1.9; the number of pixels beyond
-// z0 varies by 16. A twentieth of 1.27 % is 5 standard deviations.
-TEST(RobustErrors, OfNormalNoiseHaveLittleInTheirWorstPixels) {
-    std::mt19937_64 random(5);
-    std::normal_distribution<float> normal;
-    const Image one = constant(1, 500, 500);
-    Image noisy = one;
-    for (std::size_t p = 0; p < noisy.pixels(); ++p)
-        noisy.set(p, Color::Constant(1 + 0.1f * normal(random)));
-    const RobustError found = robust_error({noisy}, one, one, epsilon);
-    const double z0 = 3.290527, q = 0.0005, phi = std::exp(-z0 * z0 / 2) / std::sqrt(2 * M_PI);
-    EXPECT_NEAR(found.share, 2 * (z0 * phi + q), 0.05 * 2 * (z0 * phi + q));
-    EXPECT_FALSE(is_decided_by_outliers(found));
-    // The median of z^2 is 0.4549. The standard error of a median is 1 / (2 f
-    // sqrt(n)), with the density f = 0.4705 there.
-    EXPECT_NEAR(found.median * 1.01 / 0.01, 0.4549, 5 / (2 * 0.4705 * 500));
-}
-
 /// The analysis of one scene with one method.
 Analysis analysis_with(const RobustError& robust) {
     Analysis analysis;
@@ -221,20 +202,6 @@ TEST_F(DegenerateImages, AReferenceOfZeroGivesNumbers) {
     EXPECT_FALSE(equal_footing({constant(0.5f)}, {constant(0), {}, {}}, constant(0)));
 }
 
-TEST_F(DegenerateImages, OneFireflyLeavesTheRobustNumbers) {
-    const auto result = json({with_pixel(constant(1.5f), 20, 1e8f)}, constant(1));
-    EXPECT_NEAR(result["rel_mse"], (sqr(static_cast<double>(1e8f) - 1) / 64 + 63 * 0.25 / 64) / 1.01, 1);
-    EXPECT_NEAR(result["rel_mse_median"], 0.25 / 1.01, 1e-12);
-    EXPECT_NEAR(result["rel_mse_trimmed"], 0.25 / 1.01, 1e-12);
-    EXPECT_NEAR(result["rel_mse_top_share"], 1, 1e-9);
-    EXPECT_LE(result["flip"], 1);
-    // Here the firefly is in the reference, whose exposures then span 27 stops.
-    const auto of_reference = json({constant(1)}, with_pixel(constant(1), 20, 1e8f));
-    EXPECT_EQ(of_reference["rel_mse_median"], 0);
-    EXPECT_EQ(of_reference["rel_mse_trimmed"], 0);
-    EXPECT_NEAR(of_reference["rel_mse"], 1.0 / 64, 1e-6) << "it is relative";
-}
-
 TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {
     const std::vector<Image> seeds = {constant(0.9f, 1, 1), constant(1.f, 1, 1), constant(1.2f, 1, 1),
                                       constant(1.3f, 1, 1)};
@@ -255,25 +222,6 @@ TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {
         EXPECT_TRUE(std::isfinite(point.frequency) && std::isfinite(point.power));
 }
 
-// Images are lines of pixels in either direction.
-TEST(DegenerateSpectra, OfALineOfPixelsAreFinite) {
-    for (const auto& [width, height] : {std::pair(2, 1), std::pair(1, 2), std::pair(64, 1), std::pair(1, 64)}) {
-        std::mt19937_64 random(3);
-        std::normal_distribution<float> normal;
-        std::vector<Image> seeds;
-        for (int i = 0; i < 4; ++i) {
-            seeds.push_back(constant(1, width, height));
-            for (float& v : seeds.back().rgb)
-                v += 0.1f * normal(random);
-        }
-        const auto noise = noise_spectrum(seeds, constant(1, width, height));
-        ASSERT_TRUE(noise);
-        EXPECT_TRUE(std::isfinite(noise->centroid));
-        for (const SpectrumPoint& point : noise->curve)
-            EXPECT_TRUE(std::isfinite(point.power));
-    }
-}
-
 TEST(DegenerateRuns, AnImageOfOnePixelHasAllItsTablesAndItsReport) {
     const TemporaryFolder folder;
     folder.write("box.xml", tiny_scene_xml());
@@ -289,36 +237,6 @@ TEST(DegenerateRuns, AnImageOfOnePixelHasAllItsTablesAndItsReport) {
                     testing::Not(testing::ContainsRegex("[,|( ]-?(nan|inf)[,|) \n]")))
             << name;
     EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("</html>"));
-}
-
-// The sum of 1e8 samples of 0.5 is exact in double; single precision would stop at 2^24 samples.
-TEST(Accumulation, OfAHundredMillionSamplesLosesNothing) {
-    Film film(1, 1, {Component::direct}, {});
-    PixelSample sample;
-    sample[Component::direct] = Color(0.5f, 0.5f, 1.f / 3);
-    constexpr std::uint32_t n = 100000000;
-    for (std::uint32_t pass = 0; pass < n; ++pass)
-        film.add(0, pass, sample);
-    const Image mean = *film.mean(n)[Component::direct];
-    EXPECT_EQ(mean.rgb[0], 0.5f);
-    EXPECT_EQ(mean.rgb[1], 0.5f);
-    // Rounding of the sums errs by (n - 1) 2^-53 of the sum at most, 1.1e-8, less than half a unit of the result.
-    EXPECT_NEAR(static_cast<double>(mean.rgb[2]), static_cast<double>(1.f / 3), (1.1e-8 + 0x1p-25) / 3);
-}
-
-// 2^20 samples of 2^10 alternate with 2^20 of 2^-8, so the sum has 39 bits.
-TEST(Accumulation, OfSamplesOfMixedMagnitudeIsExact) {
-    Film film(1, 1, {Component::indirect}, {});
-    constexpr std::uint32_t n = 1 << 21;
-    PixelSample large, small;
-    large[Component::indirect] = Color(0x1p10f, 0x1p-8f, 0x1p10f);
-    small[Component::indirect] = Color(0x1p-8f, 0x1p-8f, 0x1p10f);
-    for (std::uint32_t pass = 0; pass < n; ++pass)
-        film.add(0, pass, pass % 2 == 0 ? large : small);
-    const Image mean = *film.mean(n)[Component::indirect];
-    EXPECT_EQ(mean.rgb[0], static_cast<float>((0x1p10 + 0x1p-8) / 2));
-    EXPECT_EQ(mean.rgb[1], 0x1p-8f);
-    EXPECT_EQ(mean.rgb[2], 0x1p10f);
 }
 
 /// Equal batches, one for each of the reference's groups.

@@ -154,22 +154,6 @@ TEST(HardCaseVerdicts, RestOnTheScatterOfSeeds) {
     EXPECT_THAT(problem_of({0, 1e-30}, Relation::black), HasSubstr("a pixel"));
 }
 
-TEST(HardCaseVerdicts, BoundsHaveTwoSides) {
-    HardCase hard{};
-    hard.relation = Relation::at_most;
-    hard.expected = 1;
-    hard.at_least = 0.8;
-    HardCaseImages images;
-    const auto problem = [&](const std::vector<double>& means) {
-        images.means = means;
-        return judge(hard, images, 0.01, 0.05).problem;
-    };
-    EXPECT_EQ(problem({0.9, 0.9}), "");
-    EXPECT_THAT(problem({0.79, 0.79}), HasSubstr("dark"));
-    EXPECT_THAT(problem({1.01, 1.01}), HasSubstr("bright"));
-    EXPECT_THAT(problem({0.75, 0.85, 0.75, 0.85}), HasSubstr("not resolved"));
-}
-
 TEST(HardCaseVerdicts, NeitherNanNorNegativeNorRefusedScenesPass) {
     HardCase hard{};
     hard.expected = 1;

@@ -48,15 +48,5 @@ TEST(ChildProcess, OneThatCannotStartIsAnError) {
     EXPECT_THROW(run_child({"/no/such/program"}, [](const std::string&) {}), RunError);
 }
 
-// OpenImageIO's libraries take 25 MiB and, on a slow machine, 0.1 s to initialise their tables of strings.
-TEST(ProgramStart, LoadsNoLibraryOfImages) {
-    const TemporaryFolder folder;
-    const std::string command = "LD_TRACE_LOADED_OBJECTS=1 '" + program_path() + "' >'" + (folder / "libraries") + "'";
-    ASSERT_EQ(std::system(command.c_str()), 0);
-    const std::string libraries = read_file(folder / "libraries");
-    EXPECT_NE(libraries.find("libembree"), std::string::npos) << libraries;
-    EXPECT_EQ(libraries.find("OpenImageIO"), std::string::npos) << libraries;
-}
-
 }  // namespace
 }  // namespace gib::test::child_process_test

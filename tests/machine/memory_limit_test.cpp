@@ -2,9 +2,7 @@
 
 #include "common/core/memory_limit.h"
 
-#include "common/lights/environment_map.h"
 #include "common/mesh_files/mesh_data.h"
-#include "common/shapes/accelerator.h"
 #include "methods/parts/gathering/irradiance_cache.h"
 #include "tests/support/input_error.h"
 #include "tests/support/run_fixtures.h"
@@ -53,15 +51,6 @@ TEST_F(MemoryLimitTest, IsTheLeastOfWhatTheSystemAndTheGroupsLeave) {
     EXPECT_EQ(available(), 0);
 }
 
-TEST_F(MemoryLimitTest, RefusalsHaveBothNumbers) {
-    EXPECT_NO_THROW(require_memory(100e6, "a little"));
-    EXPECT_THAT(
-        input_error_of([] {
-            require_memory(1e18, "the thing", {"file.xml", 3, 4});
-        }),
-        AllOf(HasSubstr("file.xml:3:4: the thing needs 1000000000000000000 bytes, and "), refusal("the thing")));
-}
-
 /// During its life, programs that the test starts have this much address space [bytes].
 class AddressSpace {
 public:
@@ -97,22 +86,6 @@ TEST_F(MemoryLimitTest, RendersThatAskForTooMuchAreRefused) {
             << method;
         EXPECT_FALSE(std::filesystem::exists(path("out.exr"))) << method;
     }
-}
-
-TEST_F(MemoryLimitTest, LargeFilmsAreRefusedAndTheirCellsNamed) {
-    if (no_limit) GTEST_SKIP() << "the sanitizer's address space has no limit";
-    const AddressSpace limit(rlim_t{4} << 30);
-    std::string large = tiny_scene_xml(30000);
-    large.replace(large.find("'sample_count' value='4'"), 24, "'sample_count' value='1'");
-    write("large.xml", large);
-    EXPECT_THAT(gibench("render large.xml --method 'path spp=1' -o out.exr"),
-                exits(2, refusal("a film of 30000 x 30000 pixels")));
-    EXPECT_THAT(gibench("reference large.xml -o out.exr"), exits(2, refusal("a reference of 30000 x 30000 pixels")));
-    write("e.toml", "scenes = ['" + source_path("scenes/cornell-box.xml") +
-                        "']\nresolution = [8, 8]\n[reference]\ntarget = '90%'\n[[method]]\nname = 'path'\nspp = 1\n"
-                        "[[method]]\nname = 'photon_mapper'\nphotons = 4000000000\n");
-    EXPECT_THAT(run(), exits(1, refusal("cornell-box, photon_mapper photons=4000000000, seed 1: photons=4000000000")));
-    EXPECT_EQ(cells().size(), 1u) << "the other cell is complete";
 }
 
 TEST_F(MemoryLimitTest, AnImageIsNotBelievedToBeAsLargeAsItsHeaderSays) {
@@ -157,40 +130,6 @@ TEST_F(MemoryLimitTest, AGrowingIrradianceCacheAsksBeforeItDoubles) {
     });
     EXPECT_THAT(error, refusal("an irradiance cache of more than [0-9]+ records"));
     EXPECT_GT(cache.size(), 1'000u);
-}
-
-TEST_F(MemoryLimitTest, AnEnvironmentAsksForWhatItsDirectionsAreChosenBy) {
-    if (no_limit) GTEST_SKIP() << "the sanitizer's address space has no limit";
-    Image image(4096, 1025);
-    const AddressSpace limit(address_space_in_use() + (rlim_t{32} << 20));
-    const std::string error = input_error_of([&] { const EnvironmentMap map(std::move(image), Frame(Vec3::UnitZ())); });
-    EXPECT_THAT(error, AllOf(refusal("an environment of 4096 x 1025 pixels"), HasSubstr(" needs 50331648 bytes")))
-        << "three floats for each column of 1024 rows of cells";
-}
-
-Mesh strip_of_triangles(std::uint32_t count) {
-    Mesh mesh;
-    for (std::uint32_t i = 0; i < count + 3; ++i)  // and the padding vertex at the end
-        mesh.vertices.push_back({static_cast<float>(i), static_cast<float>(i % 2), 0.f});
-    for (std::uint32_t i = 0; i < count; ++i)
-        mesh.triangles.push_back({i, i + 1, i + 2});
-    return mesh;
-}
-
-TEST_F(MemoryLimitTest, LargeMeshesAskForTheirTrianglesAndTheirTree) {
-    if (no_limit) GTEST_SKIP() << "the sanitizer's address space has no limit";
-    std::vector<Shape> shapes = {strip_of_triangles(3'000'000)};
-    Mesh& mesh = std::get<Mesh>(shapes.front());
-    {
-        const AddressSpace limit(address_space_in_use() + (rlim_t{128} << 20));
-        EXPECT_THAT(input_error_of([&] { mesh.prepare(); }),
-                    AllOf(refusal("a mesh of 3000000 triangles"), HasSubstr(" needs 192000000 bytes")));
-    }
-    mesh.prepare();
-    // The limit leaves what Embree needs at its start, and some more.
-    const AddressSpace limit(address_space_in_use() + (rlim_t{256} << 20));
-    EXPECT_THAT(input_error_of([&] { const Accelerator accelerator(shapes, {}); }),
-                refusal("the tree of 3000000 triangles and other shapes"));
 }
 
 }  // namespace

@@ -265,15 +265,6 @@ TEST(ReferenceGroups, WeighRoundsByTheirSamples) {
     EXPECT_FLOAT_EQ(groups.reference()[Component::direct]->mean.rgb[0], 4.f);
 }
 
-TEST(BatchSeeds, AreDistinctAndNoCells) {
-    std::set<std::uint64_t> seeds;
-    for (std::uint32_t batch = 0; batch < 4096; ++batch) {
-        seeds.insert(batch_seed("0123456789abcdef", batch));
-        EXPECT_GE(batch_seed("0123456789abcdef", batch), 0x8000000000000000ull);
-    }
-    EXPECT_EQ(seeds.size(), 4096u);
-}
-
 TEST(UnresolvedComponents, ArePathsFromDeltaLightsThroughSpecularSurfaces) {
     const auto unresolved = [](const std::string& light) {
         const LoadedScene scene = Scene(element("sensor", "perspective", box_film(4)), light,

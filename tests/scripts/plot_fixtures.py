@@ -45,18 +45,11 @@ TABLE = TABLE_HEAD + table_line(
     variance=0.00012345, variance_lo=0.0001, variance_hi=0.0002, seconds_to_5pct=12.34, seconds_to_5pct_state="measured",
     seconds_to_2pct=1234567, seconds_to_2pct_state="measured", seconds_to_1pct_state="never",
     effects_missing="caustics;glossy_lobes", components_missing="caustic;indirect")
-SPECTRA = "scene,method,kind,frequency,power,component\n" + "".join(
-    f"box,path spp=4,{kind},{frequency},{power},total\n" for kind, frequency, power in (
-        ("noise", 0, 9), ("noise", 0.1, 0.5), ("noise", 0.3, 1), ("noise", 0.6, 2),
-        ("bias", 0.1, 1e-4), ("bias", 0.3, -1e-5), ("bias", 0.6, 1e-6)))
-STAGES = "scene,method,seed,stage,seconds\n" + "".join(
-    f"box,path spp=4,{seed},{stage},{seconds}\n"
-    for seed, stage, seconds in ((1, "trace rays", 2), (1, "other", 1), (2, "trace rays", 4), (2, "other", 1)))
 
 
 def result_folder(parent, **files):
     folder = tempfile.mkdtemp(dir=parent)
-    for name, text in {"curves": CURVES, "table": TABLE, "spectra": SPECTRA, "stages": STAGES, **files}.items():
+    for name, text in {"curves": CURVES, "table": TABLE, **files}.items():
         if text is not None:
             with open(os.path.join(folder, name + ".csv"), "w", encoding="utf-8") as file:
                 file.write(text)

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-from plot_fixtures import CURVES, LAWS, METHODS, PLOT, SPECTRA, STAGES, SWEEP, Svg, TABLE, content, plot, result_folder
+from plot_fixtures import CURVES, LAWS, METHODS, PLOT, SWEEP, Svg, TABLE, content, plot, result_folder
 from plotting import bias_sweeps, error_curves, latex, method_names, result_tables  # found by the line above
 
 
@@ -35,8 +35,7 @@ class PlotTest(unittest.TestCase):
 
     def test_makes_every_figure_in_every_format(self):
         self.assertEqual((self.made.returncode, self.made.stderr), (0, ""))
-        names = sorted([f"{kind}-box.{form}" for kind in ("error", "spectra", "split", "stages")
-                        for form in ("pdf", "png", "svg")] + ["table-box.tex"])
+        names = ["error-box.pdf", "error-box.png", "error-box.svg", "table-box.tex"]
         self.assertEqual(sorted(os.listdir(self.out)), names)
         self.assertEqual(sorted(self.made.stdout.split("\n")[:-1]), [os.path.join(self.out, name) for name in names])
 
@@ -81,49 +80,12 @@ class PlotTest(unittest.TestCase):
         self.assert_close([svg.axis(1, "y", True)(height.pop())], [100 * math.sqrt(0.01 - 0.0096)])
         self.assertIn("what the reference resolves: 2 %", svg.text())
 
-    def test_spectra_lie_where_the_numbers_are(self):
-        svg = self.svg("spectra")
-        frequency = svg.axis(2, "x", False)
-        for axes, kind, expected in ((1, "noise", [(0.1, 0.5), (0.3, 1), (0.6, 2)]),
-                                     (2, "bias", [(0.1, 1e-4), (0.6, 1e-6)])):
-            power = svg.axis(axes, "y", True)
-            marks = svg.marks(f"{kind}-0")
-            self.assert_close([frequency(x) for x, _ in marks], [f for f, _ in expected])
-            self.assert_close([power(y) for _, y in marks], [p for _, p in expected])
-        (x, y), = svg.marks("bias-below-0")
-        self.assert_close([frequency(x)], [0.3])
-        self.assertGreater(y, max(y for _, y in svg.marks("bias-0")))
-
-    def test_bars_are_mean_shares_of_the_time(self):
-        svg = self.svg("stages")
-        share = svg.axis(1, "x", False)
-        for stage, expected in ((0, [0, 75]), (1, [75, 100])):
-            ends = [share(x) for x, _ in svg.corners(f"stage-0-{stage}")]
-            self.assert_close([min(ends), max(ends)], expected)
-        self.assertIn("4 s", svg.text())
-
-    def test_split_has_values_intervals_and_limits(self):
-        svg = self.svg("split")
-        value = svg.axis(1, "x", True)
-        for row, variance in ((0, 0.00123), (1, 0.00012345)):
-            self.assert_close([value(x) for x, _ in svg.marks(f"variance-{row}")], [variance])
-        self.assert_close([value(x) for x, _ in svg.marks("bias2-1")], [0.0002])
-        self.assert_close([value(x) for x, _ in svg.corners("bias2-interval-1")], [0.0001, 0.0004])
-        self.assertNotIn("bias2-0", svg.groups)  # negative: only its upper limit is shown
-        self.assert_close([value(x) for x, _ in svg.marks("bias2-limit-0")], [3e-5])
-
     def test_component_format_width_and_metric_are_obeyed(self):
         out = os.path.join(self.parent.name, "options")
         run = plot(self.folder, "--out", out, "--format", "svg", "--component", "direct", "--width", "72.27mm")
         self.assertEqual(run.returncode, 0)
-        names = ["split-box-direct.svg", "stages-box-direct.svg", "table-box-direct.tex"]
-        self.assertEqual(sorted(os.listdir(out)), names)
+        self.assertEqual(sorted(os.listdir(out)), ["table-box-direct.tex"])
         self.assertIn("no error figure: curves.csv has no components", run.stderr)
-        self.assertIn("no spectra figure", run.stderr)
-        svg = Svg(os.path.join(out, "split-box-direct.svg"))
-        self.assert_close([float(svg.root.get("width")[:-2])], [72 * 72.27 / 25.4])
-        self.assert_close([svg.axis(1, "x", True)(x) for x, _ in svg.marks("variance-0")], [4e-4])
-        self.assertFalse([name for name in svg.groups if name.startswith("bias2")], "the method is unbiased")
         direct = content(out)["table-box-direct.tex"]
         self.assertIn(b"1.50 & not reached & not resolved", direct)
         self.assertIn(b"& unbiased &", direct)
@@ -195,7 +157,7 @@ class PartsTest(unittest.TestCase):
                  row("path filter=nlm spp=4", "typed, spp=4"), row("vcm k=1 spp=4", "vcm k=1 spp=4"), row("vcm k=2 spp=9", "vcm k=2 spp=9"),
                  row("other spp=1", "other spp=1", external="yes"), row("other spp=2", "other spp=2", external="yes")]
         curves = [{"scene": "box", "method": each["method"]} for each in table]
-        found = method_names.one_label_a_method(result_tables.Results(curves, table, [], [], []))
+        found = method_names.one_label_a_method(result_tables.Results(curves, table, []))
         self.assertEqual(result_tables.labels_of(found.table), {
             "path spp=16": "path", "m photons=10 spp=4": "map, 5 %, & more, photons=10",
             "m photons=20 spp=4": "map, 5 %, & more, photons=20", "path filter=nlm spp=4": "typed, spp=4", "vcm k=1 spp=4": "vcm k=1 spp=4",
@@ -252,20 +214,6 @@ class PartsTest(unittest.TestCase):
         self.assertEqual(bias_sweeps.component_of_largest_bias(rows), "indirect")
         self.assertEqual(bias_sweeps.component_of_largest_bias(rows[:2]), "total")
 
-    def test_stages_have_few_names_and_the_whole_time(self):
-        try:
-            from plotting import figures
-        except ImportError:
-            self.skipTest("matplotlib")
-        stages = {"a": {f"s{i}": 1.0 + i for i in range(20)}, "b": {"s0": 50.0, "other": 1.0}}
-        few = figures.with_few_names(stages)
-        names = {name for each in few.values() for name in each}
-        self.assertEqual(len(names), 8)
-        self.assertIn("s0", names)  # small in one method, all of another
-        for method, each in stages.items():
-            self.assertAlmostEqual(math.fsum(few[method].values()), math.fsum(each.values()))
-        self.assertEqual(figures.with_few_names({"a": {"x": 1.0}}), {"a": {"x": 1.0}})
-
     def test_every_special_character_is_escaped(self):
         self.assertEqual(latex.escaped("a_b%&#${}"), r"a\_b\%\&\#\$\{\}")
         self.assertEqual(latex.escaped("\\^~<>|"), r"\textbackslash{}\textasciicircum{}\textasciitilde{}\textless{}"
@@ -277,8 +225,7 @@ class SweepTest(unittest.TestCase):
     def setUpClass(cls):
         cls.parent = tempfile.TemporaryDirectory()
         curves = CURVES.replace(METHODS[0], "m photons=1000 k=5").replace(METHODS[1], "m photons=10000 k=5")
-        cls.folder = result_folder(cls.parent.name, table=SWEEP, bias_laws=LAWS, curves=curves,
-                                   stages=STAGES.replace(METHODS[0], "m photons=1000 k=5"), spectra=SPECTRA.splitlines()[0] + "\n")
+        cls.folder = result_folder(cls.parent.name, table=SWEEP, bias_laws=LAWS, curves=curves)
         cls.made = plot(cls.folder, "--format", "svg")
 
     @classmethod
@@ -328,10 +275,9 @@ class TypedLabelsTest(unittest.TestCase):
         folder = result_folder(self.parent.name, table=lines[0] + "".join(map(labelled, lines[1:])))
         self.assertEqual(plot(folder, "--format", "svg").returncode, 0)
         out = os.path.join(folder, "figures")
-        for kind, shown in (("error", self.LABELS), ("spectra", self.LABELS[:1]), ("stages", self.LABELS[:1]), ("split", self.LABELS)):
-            text = Svg(os.path.join(out, f"{kind}-box.svg")).text()
-            for label in shown:
-                self.assertIn(label, text, kind)
+        text = Svg(os.path.join(out, "error-box.svg")).text()
+        for label in self.LABELS:
+            self.assertIn(label, text)
         table = content(out)["table-box.tex"].decode()
         self.assertIn(r"\texttt{\_a \$x\_1\$ \textbackslash{}alpha 5\%}", table)
 
@@ -380,14 +326,14 @@ class ErrorTest(unittest.TestCase):
         self.assertFalse(os.path.exists(os.path.join(folder, "figures")))
 
     def test_wrong_files_are_named(self):
-        self.refused("{}/stages.csv: there is no such file", stages=None)
-        self.refused("{}/spectra.csv: the file is empty", spectra="")
+        self.refused("{}/curves.csv: there is no such file", curves=None)
+        self.refused("{}/table.csv: the file is empty", table="")
         head = CURVES.split("\n", maxsplit=1)[0] + "\n"
         self.refused("{}/curves.csv: the table has no rows", curves=head)
         self.refused("{}/table.csv: there is no column 'bias2'", table=TABLE.replace("bias2,", "bias,", 1))
         self.refused("{}/curves.csv:2: 3 values for 8 columns", curves=head + "a,b,c\n")
-        wrong = STAGES.replace("other,1", "other,x", 1)
-        self.refused("{}/stages.csv:3: column 'seconds': not a number: 'x'", stages=wrong)
+        wrong = head + "box,path,1,1,x,1,1,1\n"
+        self.refused("{}/curves.csv:2: column 'seconds': not a number: 'x'", curves=wrong)
         run = plot("/no/such/folder")
         self.assertEqual((run.returncode, run.stderr), (2, "/no/such/folder: there is no such folder\n"))
 

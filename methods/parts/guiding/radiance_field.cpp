@@ -110,39 +110,6 @@ RadianceField::Place RadianceField::place(const Vec3& p, const Vec3& normal) con
     return place;
 }
 
-std::vector<RadianceField::Cell> RadianceField::cells(int depth) const {
-    struct Part {
-        std::uint32_t box;
-        int axis;  ///< along which it is cut
-        Vec3 lower, size;
-        std::uint8_t facing;
-    };
-    std::vector<Part> parts;
-    for (std::uint8_t tree = 0; tree < trees; ++tree)
-        parts.push_back({tree, 0, corner_, Vec3::Constant(edge_), tree});
-    std::vector<Cell> cells;
-    while (!parts.empty()) {
-        const Part part = parts.back();
-        parts.pop_back();
-        const Box& box = boxes_[part.box];
-        if (box.children == 0) {
-            const Distribution known(nodes_, leaves_[box.leaf]);
-            cells.push_back({part.lower, part.lower + part.size, part.facing, known.selection(), known.reflected(),
-                             known.shares(depth)});
-            continue;
-        }
-        for (std::uint32_t upper = 0; upper < 2; ++upper) {
-            Part half = part;
-            half.box = box.children + upper;
-            half.axis = (part.axis + 1) % 3;
-            half.size[part.axis] *= 0.5f;
-            half.lower[part.axis] += static_cast<float>(upper) * half.size[part.axis];
-            parts.push_back(half);
-        }
-    }
-    return cells;
-}
-
 float RadianceField::Distribution::pdf_w(const Vec3& wi) const {
     Vec2 x = square_of(wi);
     float density = 0.25f * inv_pi;
@@ -153,24 +120,6 @@ float RadianceField::Distribution::pdf_w(const Vec3& wi) const {
         if (node.children[quadrant] == 0) return density;
         at = node.children[quadrant];
     }
-}
-
-std::vector<float> RadianceField::Distribution::shares(int depth) const {
-    const std::size_t edge = std::size_t{1} << depth;
-    const float size = 1.f / static_cast<float>(edge);
-    std::vector<float> shares;
-    for (std::size_t i = 0; i < edge * edge; ++i) {
-        Vec2 x = size * Vec2(static_cast<float>(i % edge) + 0.5f, static_cast<float>(i / edge) + 0.5f);
-        const Node* node = &(*nodes_)[leaf_->root];
-        float share = 1.f;
-        for (int cut = 0; cut < depth; ++cut) {
-            const std::size_t quadrant = descend(x);
-            share *= node ? node->shares[quadrant] : 0.25f;
-            node = node && node->children[quadrant] != 0 ? &(*nodes_)[node->children[quadrant]] : nullptr;
-        }
-        shares.push_back(share);
-    }
-    return shares;
 }
 
 RadianceField::Distribution::Sample RadianceField::Distribution::sample(Vec2 u) const {

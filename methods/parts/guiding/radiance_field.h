@@ -57,9 +57,6 @@ public:
         float indirect() const { return leaf_->indirect; }
         /// In proportion to the radiance from wi, times the cosine at surfaces [1/sr].
         float pdf_w(const Vec3& wi) const;
-        /// The probabilities of 2^depth times 2^depth squares of equal solid angle, whose sum is 1: rows of azimuth, from x towards
-        /// y, each from below upwards.
-        std::vector<float> shares(int depth) const;
         Sample sample(Vec2 u) const;
 
     private:
@@ -84,16 +81,6 @@ public:
     /// Takes over what has been recorded since the last call. Cuts leaves with more than `crowd` visits, and quadrants with much
     /// light.
     void learn(double crowd);
-
-    /// A cell of space for surfaces of one kind of normal, and what is known there; see Distribution.
-    struct Cell {
-        Vec3 lower, upper;
-        std::uint8_t facing;  ///< normals nearest to +x, -x, +y, -y, +z, -z; 6: media
-        float selection, reflected;
-        std::vector<float> shares;
-    };
-    /// All cells, with shares of this depth.
-    std::vector<Cell> cells(int depth) const;
 
     /// The share of the paths that came to places with concentrated light, as the field has learned it last. The density of
     /// directions in proportion to what is known there has a mean, over these directions, of more than 12 / (4 pi) [1/sr]; of the

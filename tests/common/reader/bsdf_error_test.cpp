@@ -43,73 +43,6 @@ const std::pair<std::string, std::vector<std::string>> reflectances[] = {
     {"phong", {"diffuse_reflectance", "specular_reflectance"}},
     {"principled", {"base_color"}}};
 
-TEST(BsdfErrors, UnknownParametersListWhatThePluginTakes) {
-    const TemporaryFolder folder;
-    const std::string bumps = bitmap("bumps", write_image(folder / "bumps.exr", 2, 1, 1, {0, 1})) + grey,
-                      normals = squares("normalmap");
-    const std::array<std::string, 3> rows[] = {
-        {"diffuse", "", "reflectance"},
-        {"dielectric", "", "int_ior, ext_ior, cauchy_b, abbe, specular_reflectance, specular_transmittance"},
-        {"thindielectric", "", "int_ior, ext_ior, specular_reflectance, specular_transmittance"},
-        {"roughdielectric", "",
-         "int_ior, ext_ior, cauchy_b, abbe, sample_visible, distribution, alpha, alpha_u, alpha_v, "
-         "specular_reflectance, specular_transmittance"},
-        {"conductor", "", "material, eta, k, ext_eta, specular_reflectance"},
-        {"roughconductor", "",
-         "material, eta, k, ext_eta, sample_visible, distribution, alpha, alpha_u, alpha_v, specular_reflectance"},
-        {"plastic", "", "int_ior, ext_ior, nonlinear, diffuse_reflectance, specular_reflectance"},
-        {"roughplastic", "",
-         "int_ior, ext_ior, nonlinear, sample_visible, distribution, alpha, alpha_u, alpha_v, diffuse_reflectance, "
-         "specular_reflectance"},
-        {"phong", "", "exponent, diffuse_reflectance, specular_reflectance"},
-        {"principled", "",
-         "base_color, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, "
-         "clearcoat_gloss, specular, eta, diffuse_reflectance_sampling_rate, main_specular_sampling_rate, "
-         "clearcoat_sampling_rate"},
-        {"blendbsdf", grey + grey, "<bsdf>, weight"},
-        {"mask", grey, "opacity, <bsdf>"},
-        {"null", "", "nothing"},
-        {"bumpmap", bumps, "scale, flip_invalid_normals, use_shadowing_function, <texture>, <bsdf>"},
-        {"normalmap", grey + normals, "normalmap, flip_invalid_normals, use_shadowing_function, <bsdf>"},
-        {"twosided", grey, "<bsdf>"}};
-    for (const auto& [type, parameters, takes] : rows) {
-        EXPECT_EQ(error_of(type, parameters), "no error") << type;
-        const std::string gloss = parameters + "\n" + number("gloss", 1),
-                          medium = parameters + "\n" + element("medium", "homogeneous");
-        const std::string place = type == "bumpmap" ? "6:1" : "5:1";  // the bitmap's name is on a line of its own
-        expect_errors(type,
-                      {{gloss, place, "bsdf '" + type + "' does not take a parameter 'gloss'; it takes: " + takes},
-                       {medium, place, "bsdf '" + type + "' does not take a <medium>; it takes: " + takes}});
-        EXPECT_TRUE(error_of(type, gloss).ends_with("; it takes: " + takes)) << type;
-    }
-}
-
-TEST(BsdfErrors, Reflectances) {
-    for (const auto& [type, names] : reflectances) {
-        for (const std::string& name : names) {
-            const std::string range = "'" + name + "' must be between 0 and 1, not ";
-            const std::string kinds = "; it takes: " + textured_kinds;
-            const std::string rgb_place = value_place("rgb", name), path = "5:1";
-            expect_errors(type,
-                          {{number(name, 1.5), number_place(name), range + "1.5"},
-                           {number(name, -0.1), number_place(name), range + "-0.1"},
-                           {rgb(name, "0.5 1.01 0"), rgb_place, range + "1.01"},
-                           {rgb(name, -0.1), rgb_place, range + "-0.1"},
-                           {rgb(name, "1 2"), rgb_place, "'" + name + "' takes one or three numbers, found 2"},
-                           {rgb(name, "nan"), rgb_place, "bad number 'nan'"},
-                           {rgb(name, "#ff00"), rgb_place, "bad colour '#ff00': expected #rrggbb"},
-                           {"<spectrum name='" + name + "' value='2'/>", value_place("spectrum", name), range + "2"},
-                           {"<integer name='" + name + "' value='0.5'/>", value_place("integer", name),
-                            "bad number '0.5': expected an integer"},
-                           {text(name, "0.5"), "4:1", "'" + name + "' cannot be a <string>" + kinds},
-                           {"<vector name='" + name + "' value='1'/>", "4:1", "cannot be a <vector>" + kinds},
-                           {"<bsdf name='" + name + "' type='null'/>", "4:1", "cannot be a <bsdf>" + kinds},
-                           {"<texture name='" + name + "' type='bitmap'/>", "4:1", "'bitmap' needs 'filename'"},
-                           {bitmap(name, "no.png"), path, "there is no file 'no.png'; searched: "}});
-        }
-    }
-}
-
 TEST(BsdfErrors, IndicesOfRefraction) {
     const std::string kinds = "; it takes: <float>, <integer>, <string>";
     for (const std::string type : {"dielectric", "thindielectric", "roughdielectric", "plastic", "roughplastic"}) {
@@ -144,15 +77,6 @@ TEST(BsdfErrors, RoughInterfacesWithoutAChangeOfIndex) {
     expect_errors("roughplastic", {{outside, "4:24", "'int_ior' and 'ext_ior' must differ"}});
 }
 
-TEST(BsdfErrors, RoughCoatsThinnerThanWhatIsOutside) {
-    const std::string thinner = number("int_ior", 1.3) + number("ext_ior", 1.5), outside = number("ext_ior", 1.6);
-    for (const std::string type : {"roughdielectric", "plastic"})
-        for (const std::string& indices : {thinner, outside})
-            EXPECT_EQ(error_of(type, indices), "no error") << type;
-    expect_errors("roughplastic", {{thinner, number_place("int_ior"), "'int_ior' must be above 'ext_ior'"},
-                                   {outside, number_place("ext_ior"), "'int_ior' must be above 'ext_ior'"}});
-}
-
 TEST(BsdfErrors, Conductors) {
     const std::string gold = text("material", "Au"), either = "give either 'material' or 'eta' and 'k'";
     for (const std::string type : {"conductor", "roughconductor"}) {
@@ -176,80 +100,6 @@ TEST(BsdfErrors, Conductors) {
                         "4:1", "'" + name + "' must be at most 1e+06, not 1e+07 of its texture"}});
         EXPECT_EQ(error_of(type, text("material", "none") + number("k", 2)), "no error");
         EXPECT_EQ(error_of(type, number("eta", 0) + number("k", 0)), "no error");
-    }
-}
-
-TEST(BsdfErrors, Roughnesses) {
-    const std::string either = "give either 'alpha' or both 'alpha_u' and 'alpha_v'";
-    const std::string u = number("alpha_u", 0.1), v = number("alpha_v", 0.2);
-    for (const std::string type : {"roughdielectric", "roughconductor", "roughplastic"}) {
-        const std::string kinds = type == "roughplastic" ? "<float>, <integer>" : textured_kinds;
-        expect_errors(
-            type, {{number("alpha", -0.1), "4:21", "'alpha' must "},
-                   {number("alpha", "nan"), "4:21", "bad number 'nan'"},
-                   {number("alpha", "2e4"), "4:21", "10000, not 2"},
-                   {text("alpha", "0.1"), "4:1", "'alpha' cannot be a <string>; it takes: " + kinds},
-                   {"<vector name='alpha' value='1'/>", "4:1", "'alpha' cannot be a <vector>; it takes: " + kinds},
-                   {number("alpha_u", -1) + v, "4:23", "'alpha_u' must "},
-                   {u + "\n" + number("alpha_v", "nan"), "5:23", "bad number 'nan'"},
-                   {u + "\n" + text("alpha_v", "1"), "5:1", "'alpha_v' cannot be a <string>"},
-                   {u, "4:1", either},
-                   {v, "4:1", either},
-                   {number("alpha", 0.1) + "\n" + u, "5:1", either},
-                   {number("alpha", 0.1) + "\n" + u + v, "5:1", either},
-                   {text("distribution", "phong"), "4:29", "'distribution' cannot be 'phong'; it takes: beckmann, ggx"},
-                   {text("distribution", ""), "4:29", "'distribution' cannot be ''; it takes: beckmann, ggx"},
-                   {number("distribution", 1), "4:1", "'distribution' cannot be a <float>; it takes: <string>"},
-                   {number("sample_visible", 1), "4:1", "'sample_visible' cannot be a <float>; it takes: <boolean>"},
-                   {"<boolean name='sample_visible' value='yes'/>", "4:32", "'yes' is neither true nor false"}});
-        // A roughness of 0 acts as MicrofacetDistribution::min_alpha, as in Mitsuba.
-        EXPECT_EQ(error_of(type, number("alpha", 0)), "no error");
-    }
-    for (const std::string type : {"roughdielectric", "roughconductor"}) {
-        EXPECT_EQ(error_of(type, squares("alpha")), "no error");
-        EXPECT_EQ(error_of(type, u + v), "no error");
-    }
-}
-
-/// The tables of a roughplastic are made for one roughness. Mitsuba takes a single number too, but it may be given as
-/// two equal ones.
-TEST(BsdfErrors, ARoughplasticHasOneRoughness) {
-    const std::string u = number("alpha_u", 0.1);
-    expect_errors("roughplastic",
-                  {{squares("alpha"), "4:1", "'alpha' cannot be a <texture>; it takes: <float>, <integer>"},
-                   {bitmap("alpha", "no.png"), "4:1", "'alpha' cannot be a <texture>"},
-                   {squares("alpha_u") + squares("alpha_v"), "4:1", "'alpha_u' cannot be a <texture>"},
-                   {u + "\n" + number("alpha_v", 0.2), "5:23",
-                    "the 'alpha_u' and 'alpha_v' of a roughplastic must be the same"}});
-    EXPECT_EQ(error_of("roughplastic", u + number("alpha_v", 0.1)), "no error");
-}
-
-TEST(BsdfErrors, Plastics) {
-    for (const std::string type : {"plastic", "roughplastic"})
-        expect_errors(type, {{number("nonlinear", 1), "4:1", "'nonlinear' cannot be a <float>; it takes: <boolean>"},
-                             {"<boolean name='nonlinear' value='1'/>", "4:27", "'1' is neither true nor false"}});
-}
-
-TEST(BsdfErrors, Phong) {
-    expect_errors("phong", {{number("exponent", -1), "4:24", "'exponent' must not be negative: -1"},
-                            {number("exponent", "nan"), "4:24", "bad number 'nan'"},
-                            {number("exponent", "1e9"), "4:24", "'exponent' must be at most 1e+08, not 1e+09"},
-                            {"<integer name='exponent' value='2.5'/>", "4:26", "bad number '2.5': expected an integer"},
-                            {text("exponent", "3"), "4:1", "cannot be a <string>; it takes: " + textured_kinds}});
-    EXPECT_EQ(error_of("phong", number("diffuse_reflectance", 0.4) + number("specular_reflectance", 0.6)), "no error");
-}
-
-TEST(BsdfErrors, WeightsAndOpacities) {
-    for (const auto& [type, name, nested] :
-         {std::array<std::string, 3>{"blendbsdf", "weight", grey + grey}, {"mask", "opacity", grey}}) {
-        const std::string place = number_place(name), range = "'" + name + "' must be between 0 and 1, not ";
-        const std::string kinds = "; it takes: " + textured_kinds;
-        expect_errors(type, {{number(name, 1.5) + nested, place, range + "1.5"},
-                             {number(name, -0.1) + nested, place, range + "-0.1"},
-                             {number(name, "nan") + nested, place, "bad number 'nan'"},
-                             {text(name, "0.5") + nested, "4:1", "'" + name + "' cannot be a <string>" + kinds},
-                             {rgb(name, "1.5") + nested, value_place("rgb", name), range + "1.5"},
-                             {bitmap(name, "no.png") + nested, "5:1", "there is no file 'no.png'"}});
     }
 }
 
@@ -365,30 +215,6 @@ TEST(BsdfErrors, BitmapsThatCannotBeRead) {
                     StartsWith(at + "'" + name + "' must not be negative, but its texture has -0.5"))
             << type;
     }
-}
-
-TEST(BsdfErrors, PrincipledTakesSharesOfOneAndOneIndex) {
-    for (const char* name : {"roughness", "anisotropic", "metallic", "spec_trans", "spec_tint", "sheen", "sheen_tint",
-                             "flatness", "clearcoat", "clearcoat_gloss"}) {
-        const std::string quoted = std::string("'") + name + "'";
-        EXPECT_EQ(error_of("principled", number(name, 1)), "no error");
-        expect_errors("principled", {{number(name, 1.5), number_place(name), quoted + " must be at most 1, not 1.5"},
-                                     {number(name, -0.5), number_place(name), quoted}});
-    }
-    expect_errors("principled", {{number("specular", 1.1), number_place("specular"), "must be between 0 and 1"},
-                                 {number("eta", 0), number_place("eta"), "'eta' must be above 0"},
-                                 {number("eta", 1000), number_place("eta"), "must be between 0.01 and 100"}});
-    EXPECT_THAT(error_of("principled", number("eta", 1.5) + number("specular", 0.5)),
-                HasSubstr("give either 'specular' or 'eta'"));
-}
-
-TEST(BsdfErrors, PrincipledThinTakesTwiceTheTransmittedShare) {
-    EXPECT_EQ(error_of("principledthin", number("diff_trans", 2)), "no error");
-    expect_errors("principledthin",
-                  {{number("diff_trans", 2.5), number_place("diff_trans"), "must be at most 2, not 2.5"},
-                   {number("spec_trans", 1.5), number_place("spec_trans"), "must be at most 1, not 1.5"},
-                   {number("eta", 0), number_place("eta"), "'eta' must be between 0.01 and 100"},
-                   {number("metallic", 1), "4:1", "does not take a parameter 'metallic'"}});
 }
 
 }  // namespace

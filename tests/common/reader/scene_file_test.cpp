@@ -138,29 +138,6 @@ TEST(SceneFile, ShapesWithoutAMaterialAreGreyAndLightsBlack) {
     EXPECT_EQ(light_of<AreaLight>(loaded).radiance[2], 3.f);
 }
 
-TEST(SceneFile, MaterialsKeepMitsubasDefaults) {
-    const auto eta_of = [](const std::string& parameters) {
-        const LoadedScene loaded = load(shape("sphere", bsdf("dielectric", parameters)));
-        return loaded.scene->materials()[0]
-            .constant()
-            ->sample_local(Vec3(0, 0, 1), Vec2(0.999f, 0.5f), Vec2(0.5f, 0.5f), Transport::power)
-            ->eta;
-    };
-    EXPECT_NEAR(eta_of(""), 1.5046 / 1.000277, 1e-6);
-    EXPECT_NEAR(eta_of(text("int_ior", "water") + number("ext_ior", 1)), 1.333, 1e-6);
-    const auto reflectance = [](const std::string& parameters) {
-        const LoadedScene loaded = load(shape("sphere", bsdf("conductor", parameters)));
-        return loaded.scene->materials()[0].constant()->coefficients_local(Vec3(0, 0, 1)).specular[0];
-    };
-    EXPECT_EQ(reflectance(""), 1.f);
-    // R = ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2) at normal incidence.
-    EXPECT_NEAR(reflectance(rgb("eta", 0.2) + rgb("k", 3)), (0.64 + 9) / (1.44 + 9), 1e-5);
-    const auto two =
-        load(shape("sphere", bsdf("twosided", bsdf("diffuse", number("reflectance", 0.25)), bsdf("diffuse"))));
-    EXPECT_EQ(diffuse_of(two)[0], 0.25f);
-    EXPECT_EQ(diffuse_of(two, 0, -1)[0], 0.5f);
-}
-
 TEST(SceneFile, PointEmittersStandAtTheirPosition) {
     const auto loaded = load(ball + emitter("point", point("position", 1, 2, 3), rgb("intensity", 5)) +
                              emitter("point", to_world(translate(0, 4, 0))));

@@ -240,12 +240,10 @@ TEST_F(ExternalMethodTest, KeysOfItsOwnMakeASweep) {
 TEST_F(ExternalMethodTest, DefaultsAndFormats) {
     const Experiment e = parse("x {scene} {out}");
     const ExternalMethod& plain = *e.external(e.methods[0]);
-    EXPECT_EQ(plain.scene_format, SceneFormat::mitsuba);
     EXPECT_EQ(plain.image_format, "exr");
     EXPECT_EQ(plain.timeout, 3600);
-    const Experiment other = parse("x {scene} {out}", "scene_format = 'povray'\nimage_format = 'hdr'\ntimeout = 2.5\n");
+    const Experiment other = parse("x {scene} {out}", "image_format = 'hdr'\ntimeout = 2.5\n");
     const ExternalMethod& given = *other.external(other.methods[0]);
-    EXPECT_EQ(given.scene_format, SceneFormat::povray);
     EXPECT_EQ(given.image_format, "hdr");
     EXPECT_EQ(given.timeout, 2.5);
     EXPECT_NE(given.identity(), plain.identity());
@@ -271,8 +269,6 @@ TEST_F(ExternalMethodTest, MessagesNameThePlaceAndWhatThereIs) {
           {"{spp}", "spp = 0\n", "e.toml:5:7: parameter 'spp' = 0 is out of range"},
           {"{m}", "m = 'a b'\n", "e.toml:2:1: "},
           {"", "timeout = 0\n", "'timeout' needs a number above 0"},
-          {"", "scene_format = 'pbrt'\n",
-           "e.toml:5:16: 'scene_format' cannot be 'pbrt'; it is one of: mitsuba, povray"},
           {"", "[[method]]\nname = 'other'\ncommand = 'y {scene} {out}'\n", "the method 'other' is listed twice"}})
         EXPECT_THAT(error_of(std::string("x {scene} {out} ") + placeholders, keys), HasSubstr(error)) << keys;
     EXPECT_THAT(error_of("x {scene} {out}", "", "path"), HasSubstr("e.toml:3:8: 'path' is a method of gibench"));

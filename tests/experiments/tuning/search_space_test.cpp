@@ -1,4 +1,4 @@
-// Tests of what `gibench tune` varies: declared spans, requests of the command line, neighbours.
+// Tests of what `gibench tune` varies: declared spans, requests of the command line, the cover.
 #include "experiments/tuning/search_space.h"
 
 #include "common/core/error.h"
@@ -30,13 +30,6 @@ Setting setting_in(const SearchSpace& space, const std::string& values) {
     return setting;
 }
 
-std::vector<std::string> texts(const SearchSpace& space, const std::vector<Setting>& settings) {
-    std::vector<std::string> result;
-    for (const Setting& setting : settings)
-        result.push_back(space.label(setting).text());
-    return result;
-}
-
 const TuningAxis& axis_named(const SearchSpace& space, const std::string& name) {
     return *std::find_if(space.axes().begin(), space.axes().end(), [&](const TuningAxis& a) { return a.name == name; });
 }
@@ -61,19 +54,6 @@ TEST(SearchSpace, LabelsHaveNumbersOfTwoDigits) {
               "photon_mapper photons=32000 gather=64 cache=on accuracy=0.3");
     EXPECT_EQ(axis_named(space, "photons").text(axis_named(space, "photons").rounded(123456)), "120000");
     EXPECT_EQ(axis_named(space, "accuracy").text(axis_named(space, "accuracy").rounded(0.1549)), "0.15");
-}
-
-TEST(SearchSpace, AChangeIsRepeatedByItsFactor) {
-    const SearchSpace space = space_of("photon_mapper");
-    const auto repeated = [&](const char* from, const char* to) {
-        return space.label(space.with_change_repeated(setting_in(space, from), setting_in(space, to))).text();
-    };
-    EXPECT_EQ(repeated("photons=8000 k=80", "photons=4000 k=40 area=plain"),
-              "photon_mapper photons=2000 k=20 area=plain");
-    EXPECT_EQ(repeated("", "photons=500000"), "photon_mapper photons=250000")
-        << "a value that is not given is the default";
-    EXPECT_EQ(repeated("k=20", "k=2"), "photon_mapper k=2") << "the range ends at 2";
-    EXPECT_EQ(repeated("gather=9", "gather=9 cache=on"), "photon_mapper gather=9 cache=on");
 }
 
 TEST(SearchSpace, ADefaultApartFromItsSpanHasAQuarter) {
@@ -110,52 +90,6 @@ TEST(SearchSpace, TakesRequestsOfTheCommandLine) {
     EXPECT_THROW(space_of("photon_mapper", {parse_variation("k=0..9")}), InputError);
     EXPECT_THROW(space_of("photon_mapper k=80", {parse_variation("k=9..90")}), InputError);
     EXPECT_THROW(space_of("photon_mapper", {parse_variation("cache=1..2")}), InputError);
-}
-
-TEST(SearchSpace, NeighboursAreHalfAndDouble) {
-    const std::string base = "photon_mapper area=plain direct_samples=1 gather=64";
-    const SearchSpace space = space_of(base);
-    const auto around = [](const SearchSpace& of, const std::string& values) {
-        return texts(of, of.neighbours(setting_in(of, values)));
-    };
-    EXPECT_THAT(around(space, "photons=2e5"), ElementsAre(base + " photons=100000 k=25", base + " photons=400000 k=100",
-                                                          base + " photons=200000 k=25", base + " photons=200000 k=100",
-                                                          base + " photons=200000 cache=on"))
-        << "k follows the photons; without the cache, its accuracy has no effect";
-    EXPECT_THAT(around(space, "photons=2e5 cache=on accuracy=0.3"),
-                ElementsAre(base + " photons=100000 k=25 cache=on accuracy=0.3",
-                            base + " photons=400000 k=100 cache=on accuracy=0.3",
-                            base + " photons=200000 k=25 cache=on accuracy=0.3",
-                            base + " photons=200000 k=100 cache=on accuracy=0.3", base + " photons=200000",
-                            base + " photons=200000 cache=on", base + " photons=200000 cache=on accuracy=0.6"));
-    // The range of k begins at 2.
-    const std::string few = "photon_mapper photons=10 area=plain direct_samples=1 gather=64 cache=off";
-    EXPECT_THAT(around(space_of(few), "k=2"), ElementsAre(few + " k=4"));
-}
-
-TEST(SearchSpace, AWordHasNoHalf) {
-    const std::string base = "photon_mapper k=auto area=plain direct_samples=1 gather=64 cache=off";
-    const SearchSpace space = space_of(base);
-    EXPECT_THAT(texts(space, space.neighbours(setting_in(space, "photons=2e5"))),
-                ElementsAre(base + " photons=100000", base + " photons=400000"));
-}
-
-TEST(SearchSpace, StepsLeadToADefaultApartAndBack) {
-    const std::string base = "photon_mapper photons=10 k=9 area=plain cache=off";
-    const SearchSpace space = space_of(base);
-    const auto around = [&](const char* values) { return texts(space, space.neighbours(setting_in(space, values))); };
-    EXPECT_THAT(around(""), Contains(base + " gather=16"));
-    EXPECT_THAT(around(""), Not(Contains(base + " gather=8")));
-    EXPECT_THAT(around("gather=16"), AllOf(Contains(base), Contains(base + " gather=32")));
-}
-
-TEST(SearchSpace, TakesAllChangesThatGainTogether) {
-    const SearchSpace space = space_of("photon_mapper area=plain gather=64");
-    std::vector<Setting> better;
-    for (const char* values : {"photons=2e5 k=100 cache=on", "photons=1e5 cache=on", "photons=4e5 cache=on"})
-        better.push_back(setting_in(space, values));
-    EXPECT_EQ(space.label(space.with_all_changes(setting_in(space, "photons=2e5 cache=on"), better)).text(),
-              "photon_mapper area=plain gather=64 photons=100000 k=100 cache=on");
 }
 
 TEST(SearchSpace, TheCoverIsEvenAndBeginsWithTheDefaults) {

@@ -1,5 +1,4 @@
-// The times of a tuning: to an error from one run, the verdict of several runs (measured, extrapolated, not reachable), and
-// how the final runs share what is left.
+// The times of a tuning: to an error from one run, the verdict of several runs (measured, extrapolated, not reachable).
 #include "experiments/tuning/time_estimate.h"
 
 #include "tests/support/matchers.h"
@@ -7,39 +6,10 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <random>
 
 namespace gib::test::tuning_time_test {
 namespace {
-
-double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
-
-TEST(SharedSeconds, AreWhatIsWantedWhereThereIsEnough) {
-    EXPECT_THAT(shared_seconds({3, 1, 2}, 100, 0.5), ElementsAre(3, 1, 2));
-}
-
-TEST(SharedSeconds, AreEvenForThoseThatWantMore) {
-    const auto shares = shared_seconds({1000, 1, INFINITY, 2}, 25, 0.5);
-    EXPECT_THAT(shares, ElementsAre(10, 1, 10, 2)) << "23 s beside 4 times 0.5 s";
-}
-
-TEST(SharedSeconds, EndInTime) {
-    for (const double seconds : {1.0, 10.0, 100.0})
-        EXPECT_LE(sum(shared_seconds({0.5, 7, 40, INFINITY}, seconds, 0.1)) + 4 * 0.1, seconds + 1e-9) << seconds;
-    EXPECT_GT(shared_seconds({3}, 0, 1).front(), 0) << "one pass always completes";
-}
-
-// 30 s even out to 10 s each; a run needs half of what it wants.
-TEST(SharedSeconds, LetRunsReachWhatTheyWouldNotInEvenShares) {
-    EXPECT_THAT(shared_seconds({40, 60, INFINITY}, 30, 0), ElementsAre(24, 3, 3));
-    EXPECT_THAT(shared_seconds({16, 60, INFINITY}, 30, 0), ElementsAre(10, 10, 10)) << "it reaches it";
-    EXPECT_THAT(shared_seconds({60, 61, INFINITY}, 30, 0), ElementsAre(10, 10, 10)) << "nothing helps";
-    EXPECT_LE(sum(shared_seconds({40, 60, INFINITY}, 30, 1)) + 3, 30 + 1e-9);
-    EXPECT_THAT(shared_seconds({2, 40, INFINITY}, 30, 0),
-                ElementsAre(2, testing::DoubleNear(22.4, 1e-9), testing::DoubleNear(5.6, 1e-9)));
-    EXPECT_THAT(shared_seconds({40, 10}, 10, 0), ElementsAre(5, 5)) << "no time that is known suffices";
-}
 
 /// rel_mse = floor + 1 / (seconds - 0.5), after 1, 2, 4, ... passes of 1 s each.
 Cell run_with_floor(double floor, int checkpoints) {

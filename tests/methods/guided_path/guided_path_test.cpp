@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 namespace gib::test::guided_path_test {
 namespace {
 
@@ -73,41 +71,6 @@ TEST(RadianceField, SamplesHaveTheDensityThatItTells) {
     for (const auto& [cell, mass] : expected)
         EXPECT_NEAR(found[cell], mass, 5 * std::sqrt(mass / samples) + 2e-3 * mass) << cell.first << ' ' << cell.second;
     EXPECT_GT(known.pdf_w(Vec3(0.6f, 0, 0.8f)), 10 * uniform_sphere_pdf_w);
-}
-
-// Cells of one kind of surface fill the box, each holds the places that look it up, and its shares are those of pdf_w().
-TEST(RadianceField, TellsItsCells) {
-    const RadianceField field = peaked_field(cube, Vec3(0.6f, 0, 0.8f));
-    constexpr int depth = 3, edge = 1 << depth, grid = 64;
-    const std::vector<RadianceField::Cell> cells = field.cells(depth);
-    ASSERT_EQ(cells.size(), field.leaf_count());
-    std::array<double, 7> volumes{};
-    const Vec3 axes[] = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-        const RadianceField::Cell& cell = cells[c];
-        volumes[cell.facing] += double{(cell.upper - cell.lower).prod()};
-        ASSERT_EQ(cell.shares.size(), std::size_t{edge} * edge);
-        EXPECT_NEAR(std::accumulate(cell.shares.begin(), cell.shares.end(), 0.), 1, 1e-5);
-        const Vec3 normal =
-            cell.facing == 6 ? Vec3(Vec3::Zero()) : (cell.facing % 2 ? -1.f : 1.f) * axes[cell.facing / 2];
-        const auto known = field.at(field.place(0.3f * cell.lower + 0.7f * cell.upper, normal));
-        EXPECT_EQ(known.selection(), cell.selection);
-        EXPECT_EQ(known.reflected(), cell.reflected);
-        if (c % 16 != 0) continue;
-        for (std::size_t i = 0; i < cell.shares.size(); ++i) {
-            double mass = 0;
-            for (int point = 0; point < grid * grid; ++point) {
-                const float z =
-                    (static_cast<float>(i % edge) + (static_cast<float>(point % grid) + 0.5f) / grid) / edge;
-                const float turns =
-                    (static_cast<float>(i / edge) + (static_cast<float>(point / grid) + 0.5f) / grid) / edge;
-                mass += double{known.pdf_w(square_to_sphere({1.f - z, turns}))};
-            }
-            EXPECT_NEAR(mass * 4 * std::numbers::pi / sqr(double{edge} * grid), double{cell.shares[i]}, 2e-3);
-        }
-    }
-    for (const double volume : volumes)
-        EXPECT_NEAR(volume, 8, 1e-4);
 }
 
 TEST(RadianceField, TellsConcentratedLightFromEven) {

@@ -69,14 +69,6 @@ TEST(PointFormFactor, RectangleAboveHasTheClosedForm) {
     }
 }
 
-TEST(PointFormFactor, FarPolygonAtAnAngleIsThatOfItsCentre) {
-    for (double d : {1e4, 1e5, 3e5, 1e6, 1e8}) {
-        const PatchPolygon lamp = rectangle({0.6 * d - 0.5, -0.5, 0.8 * d}, {0, 1, 0}, {1, 0, 0});
-        const double exact = 0.8 * 0.8 / (pi_d * d * d);
-        EXPECT_NEAR(point_form_factor({0, 0, 0}, {0, 0, 1}, lamp) / exact, 1, 4 / (d * d) + 1e-8) << d;
-    }
-}
-
 // The walls of a closed box fill the hemisphere of every point in it. Some walls cross the point's horizon. If the
 // normal is along an axis and the point is at the height of an edge, the horizon meets vertices.
 TEST(PointFormFactor, WallsOfAClosedBoxAddUpToOne) {
@@ -96,19 +88,6 @@ TEST(PointFormFactor, WallsOfAClosedBoxAddUpToOne) {
             << "horizon through vertices";
         EXPECT_NEAR(sum({p.x(), p.y(), 1e-9}, Vec3d::UnitZ()), 1, 1e-12) << "close to a wall";
     }
-}
-
-TEST(PointFormFactor, IsDefinedInThePlaneAndOnTheEdges) {
-    const PatchPolygon wall = rectangle({0, 0, 0}, {0, 1, 0}, {0, 0, 1});  // faces +x
-    const Vec3d up(0, 0, 1);
-    EXPECT_EQ(point_form_factor({0, 0.5, 0}, up, wall), 0) << "on an edge";
-    EXPECT_EQ(point_form_factor({0, 0, 0}, up, wall), 0) << "at a vertex";
-    EXPECT_EQ(point_form_factor({0, 0.5, 0.5}, Vec3d::UnitX(), wall), 0) << "on it";
-    EXPECT_EQ(point_form_factor({0, 2, 0}, up, wall), 0) << "on the line of an edge";
-    EXPECT_NEAR(point_form_factor({1e-9, 0.5, 0}, up, wall), 0.5, 1e-8) << "close to an edge";
-    EXPECT_NEAR(point_form_factor({1e-9, 0.5, 0.5}, Vec3d::UnitX(), wall), 0, 1e-12) << "its back";
-    EXPECT_NEAR(point_form_factor({1e-9, 0.5, 0.5}, -Vec3d::UnitX(), wall), 1, 1e-8) << "close to the inside";
-    EXPECT_EQ(point_form_factor({1, 0.5, 1}, up, wall), 0) << "below the horizon but for an edge";
 }
 
 TEST(PolygonFormFactor, ParallelRectanglesHaveTheClosedForm) {
@@ -170,49 +149,6 @@ PatchPolygon sector(double radius, double z, int k, int n, bool outside, bool up
     return up ? upwards : upwards.flipped();
 }
 
-// Area times form factor of facing discs grows with each disc, so inscribed and circumscribed polygons bound the
-// value. The bounds differ by a factor of (1 + (pi / n)^2)^2 at most. The exact value is Howell's.
-TEST(PolygonFormFactor, CoaxialDiscsLieBetweenThoseOfPolygons) {
-    constexpr int n = 384;
-    for (double radius : {1.0, 0.2})
-        for (double z : distances) {
-            const auto from_disc = [&](bool outside) {  // area times form factor
-                const PatchPolygon first = sector(1, 0, 0, n, outside, true);
-                double sum = 0;
-                for (int k = 0; k < n; ++k)
-                    sum += polygon_form_factor(first, sector(radius, z, k, n, outside, false));
-                return n * first.area * sum;
-            };
-            const double s = 1 + z * z + radius * radius;
-            const double exact = pi_d * 2 * sqr(radius) / (s + std::sqrt(s * s - 4 * sqr(radius)));
-            const double lower = from_disc(false), upper = from_disc(true);
-            EXPECT_LT(lower, exact * (1 + tolerance)) << z;
-            EXPECT_GT(upper, exact * (1 - tolerance)) << z;
-            EXPECT_LT(upper / lower, 1 + 2 * sqr(pi_d / n) + 2 * tolerance) << z;
-        }
-}
-
-// By symmetry, the form factor from the surface of a unit sphere is the solid angle that the centre sees, over 4 pi.
-// A rectangle a x b whose corner lies h below the centre has the solid angle atan(a b / (h sqrt(a^2 + b^2 + h^2))).
-// The mean over the sphere is a midpoint rule in the height of rings and in the angle around them.
-TEST(PolygonFormFactor, SphereSeesARectangleAsItsCentreDoes) {
-    constexpr int rings = 200, around = 200;
-    for (double gap : distances) {
-        const double h = 1 + gap, a = 1, b = 1.5;
-        const PatchPolygon floor = rectangle({0, 0, -h}, {a, 0, 0}, {0, b, 0});
-        double sum = 0;
-        for (int i = 0; i < rings; ++i)
-            for (int k = 0; k < around; ++k) {
-                const double z = (2 * i + 1.0) / rings - 1, r = std::sqrt(1 - z * z),
-                             phi = 2 * pi_d * (k + 0.5) / around;
-                const Vec3d p(r * std::cos(phi), r * std::sin(phi), z);
-                sum += point_form_factor(p, p, floor);
-            }
-        const double exact = std::atan(a * b / (h * std::sqrt(a * a + b * b + h * h))) / (4 * pi_d);
-        EXPECT_NEAR(sum / (rings * around) / exact, 1, 1e-3) << gap;
-    }
-}
-
 // Laws that every form factor obeys: rows of closed scenes sum up to 1, reciprocity, agreement with rays.
 
 /// The relative tolerance of these laws.
@@ -243,35 +179,6 @@ TEST(PolygonFormFactorLaws, RowsOfClosedBoxesAddUpToOne) {
             for (const PatchPolygon& wall : walls)
                 EXPECT_NEAR(row_sum(wall, walls), 1, law_tolerance) << size.transpose() << " in " << n;
         }
-}
-
-// The tetrahedra include needles and flat ones, whose faces lie nearly in one plane.
-TEST(PolygonFormFactorLaws, RowsOfTetrahedraAddUpToOne) {
-    RandomPolygons random(2);
-    for (int i = 0; i < 300; ++i) {
-        const double flatness = std::pow(10, -4 * random.next()), thickness = std::pow(10, -3 * random.next());
-        const Eigen::Matrix3d shape = random.rotation() * Vec3d(1, thickness, flatness * thickness).asDiagonal();
-        std::array<Vec3d, 4> v;
-        for (Vec3d& p : v)
-            p = shape * random.direction();
-        if ((v[1] - v[0]).cross(v[2] - v[0]).dot(v[3] - v[0]) < 0) std::swap(v[1], v[2]);
-        const std::vector<PatchPolygon> faces = {
-            PatchPolygon::triangle(v[0], v[1], v[2]), PatchPolygon::triangle(v[0], v[3], v[1]),
-            PatchPolygon::triangle(v[1], v[3], v[2]), PatchPolygon::triangle(v[0], v[2], v[3])};
-        for (const PatchPolygon& face : faces)
-            EXPECT_NEAR(row_sum(face, faces), 1, 10 * law_tolerance) << i;  // 2e-4 but for one flat needle
-    }
-}
-
-TEST(PolygonFormFactorLaws, ASplitTargetAddsUp) {
-    RandomPolygons random(3);
-    for (int i = 0; i < 60; ++i) {
-        const double distance = std::pow(10, 2 * random.next() - 1);
-        const PatchPolygon from = random.polygon(distance * random.direction());
-        const PatchPolygon whole = rectangle({-0.5, -0.5, 0}, {1, 0, 0}, {0.2, 1, 0});
-        const double factor = polygon_form_factor(from, whole);
-        EXPECT_NEAR(row_sum(from, parts(whole, 3)), factor, 2 * law_tolerance * factor + 1e-12) << i;
-    }
 }
 
 /// The mean of point_form_factor over random points of `from`. Each triangle is divided into
@@ -365,66 +272,6 @@ TEST(PolygonFormFactorLaws, AgreesWithRaysWherePolygonsCrossHorizons) {
         const double share = point_form_factor(middle, from.normal, to);
         EXPECT_NEAR(point.mean(), share, 5 * error_of(share) + 5.0 / rays) << compared;
     }
-}
-
-TEST(PolygonFormFactorLaws, ScaleAndPlaceDoNotMatter) {
-    RandomPolygons random(7);
-    for (int i = 0; i < 100; ++i) {
-        const PatchPolygon from = random.polygon({0, 0, 0});
-        const double distance = std::pow(10, 3 * random.next() - 1);
-        const PatchPolygon to = random.polygon(distance * random.direction());
-        const double factor = polygon_form_factor(from, to);
-        const Eigen::Matrix3d rotation = random.rotation();
-        const Vec3d translation = random.direction();
-        for (double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
-            const auto motion = [&](const Vec3d& p) { return Vec3d(scale * (rotation * p + translation)); };
-            EXPECT_NEAR(polygon_form_factor(moved(from, motion), moved(to, motion)), factor, 1e-6 * factor + 1e-12)
-                << i << " scale " << scale;
-        }
-    }
-}
-
-TEST(PolygonFormFactorLaws, PolygonsInOnePlaneSeeNothing) {
-    RandomPolygons random(8);
-    const PatchPolygon square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-    const std::vector<PatchPolygon> plane = {
-        square, rectangle({1, 0, 0}, {1, 0, 0}, {0, 1, 0}), rectangle({1, 1, 0}, {1, 0, 0}, {0, 1, 0}),
-        rectangle({0.2, 0.3, 0}, {0.01, 0, 0}, {0, 2, 0}), rectangle({40, 3, 0}, {1, 0, 0}, {0, 1e-3, 0})};
-    for (int i = 0; i < 100; ++i) {
-        const auto polygons = turned(plane, random);
-        for (const PatchPolygon& a : polygons)
-            for (const PatchPolygon& b : polygons) {
-                EXPECT_EQ(polygon_form_factor(a, b), 0) << i;
-                EXPECT_EQ(polygon_form_factor(a, b.flipped()), 0) << i;
-            }
-    }
-}
-
-TEST(PolygonFormFactorLaws, SmallAndNarrowNeighboursSeeHalfOfALargeOne) {
-    RandomPolygons random(9);
-    const PatchPolygon floor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-    for (double size : {1e-2, 1e-3, 1e-4, 1e-6})
-        for (double x : {0.0, 0.5})
-            for (double width : {size, 0.5}) {
-                const auto pair = turned({floor, rectangle({x, 0.25, 0}, {0, width, 0}, {0, 0, size})}, random);
-                // Rays from the small polygon that descend by less than about `size` over the distance to the
-                // floor's edges miss the floor.
-                EXPECT_NEAR(polygon_form_factor(pair[1], pair[0]), 0.5, 3 * size + law_tolerance) << size << " " << x;
-                EXPECT_NEAR(polygon_form_factor(pair[0], pair[1]), 0.5 * width * size,
-                            (3 * size + law_tolerance) * width * size);
-            }
-}
-
-TEST(PolygonFormFactorLaws, APolygonHasAnArea) {
-    const FloatTrapsPaused paused;  // a NaN is passed below
-    const Vec3d a(0, 0, 0), b(1, 0, 0), c(2, 0, 0);
-    EXPECT_THROW(PatchPolygon::triangle(a, b, c), InputError);
-    EXPECT_THROW(PatchPolygon::quad(a, a, a, a), InputError);
-    EXPECT_THROW(PatchPolygon::triangle(a, b, Vec3d::Constant(std::numeric_limits<double>::quiet_NaN())), InputError);
-    const PatchPolygon square = PatchPolygon::quad(a, c, c + Vec3d(0, 3, 0), Vec3d(0, 3, 0));
-    EXPECT_DOUBLE_EQ(square.area, 6);
-    EXPECT_EQ(square.normal, Vec3d::UnitZ());
-    EXPECT_EQ(square.flipped().normal, -Vec3d::UnitZ());
 }
 
 }  // namespace
