@@ -154,13 +154,13 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
 }
 
 /// The densities of each cell are relative to their peak, as square roots in bytes.
-json cells_json(const std::vector<RadianceField::Cell>& all, Arrays& arrays) {
-    std::vector<RadianceField::Cell> cells;
+json cells_json(const std::vector<StoredCell>& all, Arrays& arrays) {
+    std::vector<StoredCell> cells;
     std::vector<std::uint8_t> densities;
     std::vector<float> peaks;
     for (std::size_t i = 0; i < all.size(); ++i)
         if (all.size() <= most_cells || is_at_step(i, all.size(), most_cells)) cells.push_back(all[i]);
-    for (const RadianceField::Cell& cell : cells) {
+    for (const StoredCell& cell : cells) {
         const float peak = std::ranges::max(cell.shares);
         peaks.push_back(peak * static_cast<float>(cell.shares.size()) * 0.25f * inv_pi);
         for (const float share : cell.shares)

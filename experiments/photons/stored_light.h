@@ -78,7 +78,7 @@ struct CollectedLight {
     std::size_t stored_beams = 0;  ///< of which `beams` are some, evenly spaced
     std::vector<StoredRecord> records;
     StoredPatches patches;
-    std::vector<RadianceField::Cell> cells;
+    std::vector<StoredCell> cells;
     std::uint32_t passes = 0;          ///< number of passes made
     bool photons_of_passes = false;    ///< whether each pass has photons of its own
     std::vector<std::string> skipped;  ///< passes of the plan that were not run, with the reasons

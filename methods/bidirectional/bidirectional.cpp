@@ -35,7 +35,6 @@ public:
                                  : find_method("bidirectional").components);
         leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
         add_joined_paths(plan, scene, settings_);
-        add_importons(plan, settings_.guiding, why_no_importons(plan));
         return plan;
     }
 
@@ -66,7 +65,7 @@ MethodDescription describe_bidirectional() {
                        choice_parameter(
                            "techniques", {"off", "on"},
                            "keep an image of each technique, weighted and alone, for paths of up to 5 edges"),
-                       shared_paths_parameter(), guide_parameter()},
+                       shared_paths_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
@@ -82,7 +81,6 @@ MethodDescription describe_bidirectional() {
                  .camera = on("camera")},
                 on("techniques"),
                 {},
-                guiding_of(values),
                 shared_paths_of(values),
             });
         },

@@ -36,8 +36,7 @@ public:
           rules_{max_edges, to_the_camera},
           lit_(scene.has_light()),
           follows_(plan.runs(step_light_paths)),
-          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_),
-                 true),
+          paths_(scene, plan, stages, LightPolicy::find(scene, guiding, {max_edges, true}, plan, seed, stages, rays_)),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}
@@ -67,7 +66,7 @@ public:
     }
     RunCounts counts() const override { return {.rays = rays_, .non_finite = splats_.non_finite()}; }
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        return {guide_fact(paths_.guide != nullptr)};
+        return {guide_fact(paths_.policy != nullptr)};
     }
 
 private:

@@ -14,7 +14,7 @@
 // the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, guide, direct_samples; gather [rays], source, cache,
+// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
 // accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
 // (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
@@ -83,7 +83,6 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
     add_volume_map(plan, scene, settings);
     add_aims(plan, scene, settings);
-    add_guide(plan, settings);
     add_shadow_map(plan, scene, settings.shadows);
     return plan;
 }
@@ -101,7 +100,6 @@ public:
           walk_{settings.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
           tracing_(scene, settings.max_edges, stages) {
         const Aims aims = build_aims(plan, scene, settings, stages);
-        tracing_.find_guide(plan, settings, plan.runs(step_gather), seed);
         if (plan.runs(step_caustic))
             maps_.caustic =
                 tracing_.traced_map(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get(), seed);
@@ -149,17 +147,13 @@ public:
         return {photons_ + tracing_.photons(), rays_ + tracing_.rays(), film_.non_finite()};
     }
 
-    std::vector<std::pair<std::string, std::string>> facts() const override {
-        return {guide_fact(tracing_.is_guided())};
-    }
-
     /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;
-        stored.add("global", maps_.final_gather ? light_.map : maps_.global, settings_.photons);
-        stored.add("caustic", maps_.caustic, settings_.caustic_photons);
-        stored.add("volume", maps_.volume, settings_.volume_photons);
-        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
+        store(stored, "global", maps_.final_gather ? light_.map : maps_.global, settings_.photons);
+        store(stored, "caustic", maps_.caustic, settings_.caustic_photons);
+        store(stored, "volume", maps_.volume, settings_.volume_photons);
+        if (maps_.along_rays) store(stored, maps_.along_rays->walk());
         if (cache_)
             for (const IrradianceRecord& record : cache_->cache().records())
                 stored.records.push_back(
@@ -271,7 +265,7 @@ void refuse_without_effect(const ParameterValues& values, const PhotonMapperSett
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
     if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
-        values.refuse({"area", "compensation", "projection", "guide"}, "no photons on surfaces");
+        values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
     }
     if (s.compensation && s.k == all_photons) values.refuse({"compensation"}, "k=all, which keeps the radius");
@@ -303,7 +297,6 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.compensation = values.choice("compensation") == "on";
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
-    s.guiding = guiding_of(values);
     s.direct_samples = static_cast<int>(values.integer("direct_samples"));
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
@@ -357,7 +350,6 @@ std::vector<Parameter> photon_mapper_parameters() {
         choice_parameter("compensation", {"off", "on"},
                          "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
-        guide_parameter(Guiding::off),
         tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
                                 "eye paths for emission and direct light, of each pixel in each pass, beside the one "
                                 "that looks up photons; 1: one path for all light"),

@@ -20,6 +20,7 @@
 #include "methods/parts/photon_mapping/eye_pass.h"
 #include "methods/parts/photon_mapping/photon_maps.h"
 #include "methods/parts/stored_light/stored_light.h"
+#include "methods/parts/transport/light_policy.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ struct ProgressiveSettings {
     PhotonMapSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
     double alpha;
     std::uint64_t first_pass;
+    Guiding guiding;
 };
 
 class ProgressivePhotonMapperRun final : public Run {
@@ -57,7 +59,8 @@ public:
         passes_ = pass + 1;
         if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
-            tracing_.find_guide(plan_, settings_.maps, false, seed_);
+            tracing_.follow(LightPolicy::find(scene_, settings_.guiding, {settings_.maps.max_edges, false}, plan_,
+                                              seed_, stages_, rays_));
             find_first_radii();
             flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
@@ -77,15 +80,15 @@ public:
     /// The radii of the first pass [scene diagonals].
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {radius_fact("radius", first_.global, scene_), radius_fact("caustic_radius", first_.caustic, scene_),
-                radius_fact("volume_radius", first_.volume, scene_), guide_fact(tracing_.is_guided())};
+                radius_fact("volume_radius", first_.volume, scene_), guide_fact(tracing_.has_policy())};
     }
 
     StoredLight stored_light() const override {
         StoredLight stored{.changes_with_passes = plan_.runs(step_eye_paths), .is_of_one_pass = true};
-        stored.add("global", maps_.global, settings_.maps.photons);
-        stored.add("caustic", maps_.caustic, settings_.maps.caustic_photons);
-        stored.add("volume", maps_.volume, settings_.maps.volume_photons);
-        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
+        store(stored, "global", maps_.global, settings_.maps.photons);
+        store(stored, "caustic", maps_.caustic, settings_.maps.caustic_photons);
+        store(stored, "volume", maps_.volume, settings_.maps.volume_photons);
+        if (maps_.along_rays) store(stored, maps_.along_rays->walk());
         return stored;
     }
 
@@ -129,7 +132,7 @@ private:
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            tracing_.is_guided() ? most_guided_photons : most_photons,
+                            tracing_.has_policy() ? most_guided_photons : most_photons,
                             kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
@@ -206,7 +209,8 @@ public:
         add_global_map(plan, maps);
         add_volume_map(plan, scene, maps);
         add_aims(plan, scene, maps);
-        add_guide(plan, maps);
+        const bool has_maps = plan.runs(step_caustic) || plan.runs(step_global) || plan.runs(step_volume);
+        add_importons(plan, settings_.guiding, has_maps ? "" : "no map is run");
         return plan;
     }
 
@@ -256,7 +260,7 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.maps.max_edges = max_edges_of(values, defaults);
     s.maps.projection = values.choice("projection") == "on";
-    s.maps.guiding = guiding_of(values);
+    s.guiding = guiding_of(values);
     s.alpha = values.number("alpha");
     s.first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name));
     return std::make_unique<ProgressivePhotonMapper>(s);

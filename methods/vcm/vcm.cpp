@@ -60,7 +60,6 @@ public:
         if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
             plan.unresolved = find_method("vcm").components;
         add_joined_paths(plan, scene, settings_);
-        add_importons(plan, settings_.guiding, why_no_importons(plan));
         plan.add(std::string(step_merging), why_not_merged(scene, plan));
         return plan;
     }
@@ -107,7 +106,6 @@ std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDe
                                        .radius = first_radius_of(values, "radius"),
                                        .radius_in_media = first_radius_of(values, "volume_radius"),
                                        .first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name))},
-            .guiding = guiding_of(values),
             .shared_paths = shared_paths_of(values)});
 }
 
@@ -125,7 +123,7 @@ MethodDescription describe_vcm() {
                        first_radius_parameter("radius", "on surfaces", most),
                        first_radius_parameter("volume_radius", "in media", most),
                        choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance"),
-                       shared_paths_parameter(), guide_parameter()},
+                       shared_paths_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = false,

@@ -2,9 +2,7 @@
 // Light that a run keeps in the scene and not in its image: photons, irradiance records, patches, a field that paths have
 // learned. It is for display only; no estimate reads it.
 
-#include "methods/parts/guiding/radiance_field.h"
-#include "methods/parts/photons/photon_map.h"
-#include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/photons/photon.h"
 
 #include <array>
 #include <cstdint>
@@ -45,6 +43,13 @@ struct StoredPatches {
     std::vector<std::array<std::uint32_t, 4>> patches;  ///< in turn around the patch; a triangle has its last twice
 };
 
+/// A cell of space of a learned field of radiance, for surfaces of one kind of normal.
+struct StoredCell {
+    Vec3 lower, upper;
+    std::uint8_t facing;         ///< normals nearest to +x, -x, +y, -y, +z, -z; 6: media
+    float selection, reflected;  ///< RadianceField::Distribution
+    std::vector<float> shares;   ///< of 2^depth_of_cells times as many squares of directions
+};
 constexpr int depth_of_cells = 5;
 
 /// The light that a run stores after the passes so far: Run::stored_light().
@@ -53,17 +58,13 @@ struct StoredLight {
     StoredBeams beams = {};
     std::vector<StoredRecord> records = {};
     StoredPatches patches = {};
-    std::vector<RadianceField::Cell> cells = {};  ///< of a learned field, with shares of depth_of_cells
+    std::vector<StoredCell> cells = {};
     bool changes_with_passes = false;  ///< a further pass stores other light: new photons, or a better solution
     bool is_of_one_pass = false;       ///< photons and beams are those of the last pass alone
 
     bool empty() const {
         return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty() && cells.empty();
     }
-    /// Adds the photons of a map, unless it is empty; `emitted` were emitted for it.
-    void add(std::string_view name, const PhotonMap& map, std::uint64_t emitted);
-    /// Adds the photons of a walk in media, or its beams.
-    void add(const PhotonWalkResult& walk);
 };
 
 }  // namespace gib

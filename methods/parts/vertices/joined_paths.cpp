@@ -28,8 +28,7 @@ public:
         : scene_(scene),
           stages_(stages),
           runs_(plan.runs(step_eye_paths)),
-          paths_(scene, plan, stages,
-                 find_guide(scene, settings.guiding, {settings.max_edges, false, true}, plan, seed, stages, rays_)),
+          paths_(scene, plan, stages),
           film_(width(), height(), shown.accumulated, shown.black,
                 settings.merging ? shown.accumulated : std::vector<Component>()),
           splats_(width(), height(), shown.accumulated, paths_.sum_unit),
@@ -98,9 +97,7 @@ public:
     }
 
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        auto facts = merged_ ? merged_->facts() : std::vector<std::pair<std::string, std::string>>{};
-        facts.push_back(guide_fact(paths_.guide != nullptr));
-        return facts;
+        return merged_ ? merged_->facts() : std::vector<std::pair<std::string, std::string>>{};
     }
 
 private:
@@ -225,11 +222,6 @@ void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings&
     plan.add(std::string(step_connections), used.connections && settings.max_edges >= 3,
              used.connections ? "a path with two inner vertices has three edges, more than max_depth allows"
                               : "connections are turned off");
-}
-
-std::string why_no_importons(const Plan& plan) {
-    if (!plan.runs(step_light_paths)) return "no light paths are followed";
-    return plan.runs(step_light_aim) ? "" : "no light reaches a diffuse surface by way of a specular one";
 }
 
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,

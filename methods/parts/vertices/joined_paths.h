@@ -21,7 +21,6 @@ struct JoinedPathsSettings {
     Techniques used;
     bool shows_techniques = false;
     std::optional<MergingSettings> merging = {};
-    Guiding guiding = Guiding::off;
     std::size_t shared_paths = 1;  ///< pixels of a group, which share their light paths (shared_vertices.h)
 };
 
@@ -73,11 +72,7 @@ std::size_t shared_paths_of(const ParameterValues& values);
 /// Adds the steps of light paths, eye paths, light sampling and connections.
 void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings);
 
-/// Why paths from both ends need no importons; empty if they do, to start light towards what focuses it into the view. All other
-/// light the connections bring to where the camera looks.
-std::string why_no_importons(const Plan& plan);
-
-/// Starts the run, with light sampling, eye paths, aim, importons and merging where `plan` runs them.
+/// Starts the run, with light sampling, eye paths, aim and merging where `plan` runs them.
 std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
                                         const ShownComponents& shown, std::uint64_t seed, StageTimes& stages);
 

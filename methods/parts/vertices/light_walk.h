@@ -1,7 +1,6 @@
 #pragma once
 // The walk from a light: its vertices, for connections to the camera and to vertices of the camera's walk.
 
-#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/path_vertex.h"
 
@@ -14,8 +13,8 @@ namespace gib {
 /// float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
-/// similar power (Jensen 2001, section 5.2). If its vertices are connected to the camera alone, it follows the guide of the
-/// paths, if there is one: other techniques would have to weigh these directions, and find what the camera sees by themselves.
+/// similar power (Jensen 2001, section 5.2). It scatters by the policy of the paths, if there is one; only walks whose vertices are
+/// connected to the camera alone may have one, since other techniques would have to weigh its directions.
 template <typename Visit>
 class LightWalk {
 public:
@@ -23,7 +22,7 @@ public:
               const LightEmission::Start& start, Visit visit)
         : scene_(rays.scene()),
           rules_(rules),
-          guide_(rules.have_others() ? nullptr : paths.guide.get()),
+          policy_(paths.policy.get()),
           visit_(std::move(visit)),
           start_(start),
           light_(scene_.lights()[start.sample.light]),
@@ -80,7 +79,7 @@ private:
         }
 
         const auto next =
-            scatter_light(guide_, walk_, *vertex.hit, vertex.from, vertex.from_local, u, first_power, true);
+            scatter_light(policy_, walk_, *vertex.hit, vertex.from, vertex.from_local, u, first_power, true);
         if (!next) return false;
         step(sums_, vertex, *next, Transport::radiance);
         path_class_ = path_class_.preceded_by(next->lobe);
@@ -114,7 +113,7 @@ private:
 
     const Scene& scene_;
     const PathRules& rules_;
-    const LightGuide* guide_;
+    const LightPolicy* policy_;
     Visit visit_;
     const LightEmission::Start& start_;
     const Light& light_;

@@ -1,6 +1,7 @@
 // Path guiding: whatever the field has learned, right or wrong, images have the means of path tracing.
 
 #include "methods/guided_path/guided_directions.h"
+#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/same_means.h"
@@ -79,12 +80,12 @@ TEST(RadianceField, SamplesHaveTheDensityThatItTells) {
 TEST(RadianceField, TellsItsCells) {
     const RadianceField field = peaked_field(cube, Vec3(0.6f, 0, 0.8f));
     constexpr int depth = 3, edge = 1 << depth, grid = 64;
-    const std::vector<RadianceField::Cell> cells = field.cells(depth);
+    const std::vector<StoredCell> cells = field.cells(depth);
     ASSERT_EQ(cells.size(), field.leaf_count());
     std::array<double, 7> volumes{};
     const Vec3 axes[] = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
     for (std::size_t c = 0; c < cells.size(); ++c) {
-        const RadianceField::Cell& cell = cells[c];
+        const StoredCell& cell = cells[c];
         volumes[cell.facing] += double{(cell.upper - cell.lower).prod()};
         ASSERT_EQ(cell.shares.size(), std::size_t{edge} * edge);
         EXPECT_NEAR(std::accumulate(cell.shares.begin(), cell.shares.end(), 0.), 1, 1e-5);

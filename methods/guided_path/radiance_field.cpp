@@ -1,4 +1,6 @@
-#include "methods/parts/guiding/radiance_field.h"
+#include "methods/guided_path/radiance_field.h"
+
+#include "methods/parts/stored_light/stored_light.h"
 
 #include "common/sampling/warp.h"
 
@@ -110,7 +112,7 @@ RadianceField::Place RadianceField::place(const Vec3& p, const Vec3& normal) con
     return place;
 }
 
-std::vector<RadianceField::Cell> RadianceField::cells(int depth) const {
+std::vector<StoredCell> RadianceField::cells(int depth) const {
     struct Part {
         std::uint32_t box;
         int axis;  ///< along which it is cut
@@ -120,7 +122,7 @@ std::vector<RadianceField::Cell> RadianceField::cells(int depth) const {
     std::vector<Part> parts;
     for (std::uint8_t tree = 0; tree < trees; ++tree)
         parts.push_back({tree, 0, corner_, Vec3::Constant(edge_), tree});
-    std::vector<Cell> cells;
+    std::vector<StoredCell> cells;
     while (!parts.empty()) {
         const Part part = parts.back();
         parts.pop_back();

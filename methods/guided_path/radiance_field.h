@@ -15,6 +15,8 @@
 
 namespace gib {
 
+struct StoredCell;
+
 class RadianceField {
     /// A square of directions in four quadrants. Children stand behind their parents.
     struct Node {
@@ -85,15 +87,8 @@ public:
     /// light.
     void learn(double crowd);
 
-    /// A cell of space for surfaces of one kind of normal, and what is known there; see Distribution.
-    struct Cell {
-        Vec3 lower, upper;
-        std::uint8_t facing;  ///< normals nearest to +x, -x, +y, -y, +z, -z; 6: media
-        float selection, reflected;
-        std::vector<float> shares;
-    };
     /// All cells, with shares of this depth.
-    std::vector<Cell> cells(int depth) const;
+    std::vector<StoredCell> cells(int depth) const;
 
     /// The share of the paths that came to places with concentrated light, as the field has learned it last. The density of
     /// directions in proportion to what is known there has a mean, over these directions, of more than 12 / (4 pi) [1/sr]; of the
