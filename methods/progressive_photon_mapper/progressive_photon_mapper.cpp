@@ -5,7 +5,7 @@
 // Computes: every component, as photon_mapper does: direct light is sampled, specular paths are traced, caustics, indirect
 // light and light in media come from the density of photons. All photons within the radius of the pass count, and the
 // radius shrinks by the law of parts/density/shrinking_radius.h.
-// Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
+// Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
 // volume, kernel, area, projection, guide; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
@@ -262,7 +262,7 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.projection = values.choice("projection") == "on";
     s.guiding = guiding_of(values);
     s.alpha = values.number("alpha");
-    s.first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name));
+    s.first_pass = defaults.first_pass;
     return std::make_unique<ProgressivePhotonMapper>(s);
 }
 
@@ -278,7 +278,6 @@ std::vector<Parameter> progressive_parameters() {
         photons("volume_photons",
                 "emitted for the volume map of a pass; default: the value of photons, with volume=beams a tenth of it"),
         alpha_parameter(),
-        first_pass_parameter(),
         first_radius_parameter("radius", "in the global map", "50 photons"),
         first_radius_parameter("caustic_radius", "in the caustic map", "50 photons"),
         first_radius_parameter("volume_radius", "in the volume map", "50 photons"),

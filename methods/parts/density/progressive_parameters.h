@@ -11,14 +11,6 @@ inline Parameter alpha_parameter() {
         "the variance of a mean over N passes falls as N^-alpha, the bias on surfaces as N^(alpha - 1)");
 }
 
-/// The name of the parameter below.
-inline constexpr std::string_view first_pass_name = "first_pass";
-/// A run that goes on where others, of other seeds, have stopped.
-inline Parameter first_pass_parameter() {
-    return integer_parameter(std::string(first_pass_name), "0", "passes", 0, 4e9,
-                             "passes that other runs have made before, whose radii this run goes on to shrink");
-}
-
 /// The radius of the first pass; `where` says of which look-ups, and `most` how many points `auto` asks for at most.
 inline Parameter first_radius_parameter(std::string name, const std::string& where, const std::string& most) {
     Parameter parameter =

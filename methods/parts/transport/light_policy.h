@@ -15,11 +15,21 @@ class LightEmission;
 inline constexpr std::string_view step_importons = "importons";
 
 enum class Guiding { automatic, on, off };
+inline constexpr std::array<std::string_view, 3> guiding_names = {"auto", "on", "off"};
 /// The parameter `guide`.
-Parameter guide_parameter();
-Guiding guiding_of(const ParameterValues& values);
+inline Parameter guide_parameter() {
+    return choice_parameter(
+        "guide", strings(guiding_names),
+        "light's paths follow the importance that walks from the camera find; auto: where most light "
+        "would never be used");
+}
+inline Guiding guiding_of(const ParameterValues& values) {
+    return chosen<Guiding>(guiding_names, values.choice("guide"));
+}
 /// Adds the step that finds the policy. It is skipped where `why_not` is not empty.
-void add_importons(Plan& plan, Guiding guiding, std::string why_not);
+inline void add_importons(Plan& plan, Guiding guiding, std::string why_not) {
+    plan.add(step_importons, guiding == Guiding::off ? "guide=off" : std::move(why_not));
+}
 /// The fact whether there is a policy.
 inline std::pair<std::string, std::string> guide_fact(bool is_guided) { return {"guided", is_guided ? "yes" : "no"}; }
 
