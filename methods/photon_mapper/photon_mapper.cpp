@@ -14,14 +14,13 @@
 // the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, direct_samples; gather [rays], source, cache,
-// accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
-// (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
+// [fractions of the scene's diagonal], volume, kernel, area, projection, direct_samples; gather [rays], source, cache,
+// accuracy; shadow_photons (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
 // Bias: the estimates blur light over the look-up radius. This bias falls with more photons at fixed k, and together
 // with the noise at k=auto. More samples a pixel lower neither the bias nor the noise of the maps. Gathered light is
 // blurred where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records:
-// near small objects a record may be used up to min_spacing away although it has missed an object that a neighbouring
+// near small objects a record may be used up to 1.5 pixels away although it has missed an object that a neighbouring
 // record sees. Where the length of paths is limited, stored light is rescaled for longer ways from the eye
 // (PhotonLengths). In scenes with media or dispersion nothing is gathered.
 // A pass: one sample of every pixel; with direct_samples > 1, emission and direct light are the mean over so many eye paths
@@ -83,7 +82,7 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
     add_volume_map(plan, scene, settings);
     add_aims(plan, scene, settings);
-    add_shadow_map(plan, scene, settings.shadows);
+    add_shadow_map(plan, scene, settings.shadow_photons);
     return plan;
 }
 
@@ -111,7 +110,6 @@ public:
                                     .k = k,
                                     .max_radius = length(radius),
                                     .area = settings.area,
-                                    .compensation = settings.compensation,
                                     .by_place = {.flat = flat_regions_ ? &*flat_regions_ : nullptr}};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
@@ -156,8 +154,7 @@ public:
         if (maps_.along_rays) store(stored, maps_.along_rays->walk());
         if (cache_)
             for (const IrradianceRecord& record : cache_->cache().records())
-                stored.records.push_back(
-                    {record.p, record.n, settings_.records.accuracy * record.distance, record.irradiance});
+                stored.records.push_back({record.p, record.n, settings_.accuracy * record.distance, record.irradiance});
         return stored;
     }
 
@@ -180,13 +177,13 @@ private:
         ShadowPhotonResult shadow;
         {
             const auto timer = stages_.time(tracing);
-            StageProgress progress(stages_, tracing, settings_.shadows.photons);
-            shadow = trace_shadow_photons(scene_, settings_.shadows.photons, seed_, &progress);
+            StageProgress progress(stages_, tracing, settings_.shadow_photons);
+            shadow = trace_shadow_photons(scene_, settings_.shadow_photons, seed_, &progress);
         }
         rays_ += shadow.rays;
         photons_ += shadow.emitted;
         const auto timer = stages_.time(step_shadow_map);
-        maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
+        maps_.light_visibility.emplace(scene_, shadow.photons);
     }
 
     /// Makes what gather rays need: photons, precomputed irradiance (Christensen 1999) and the irradiance cache.
@@ -216,7 +213,7 @@ private:
         final_gather_.emplace(light_, settings_.gather);
         maps_.final_gather = &*final_gather_;
         if (!plan.runs(step_cache) || !traces_) return;
-        cache_.emplace(scene_, *final_gather_, settings_.records);
+        cache_.emplace(scene_, *final_gather_, settings_.accuracy);
         maps_.cache = &*cache_;
         const auto timer = stages_.time(step_cache);
         StageProgress progress(stages_, step_cache,
@@ -265,14 +262,12 @@ void refuse_without_effect(const ParameterValues& values, const PhotonMapperSett
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
     if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
-        values.refuse({"area", "compensation", "projection"}, "no photons on surfaces");
+        values.refuse({"area", "projection"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
     }
-    if (s.compensation && s.k == all_photons) values.refuse({"compensation"}, "k=all, which keeps the radius");
     if (s.gather == 0) values.refuse({"source", "cache"}, "gather=0");
     if (s.photons == 0 && s.source != GatherSource::paths) values.refuse({"gather"}, "photons=0, unless source=paths");
-    if (!s.cache) values.refuse(names_of(cache_parameters()), "cache=off");
-    if (s.shadows.photons == 0) values.refuse({"shadows", "shadow_k"}, "shadow_photons=0");
+    if (!s.cache) values.refuse({"accuracy"}, "cache=off");
 }
 
 std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
@@ -294,16 +289,14 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.volume_radius = along_rays && !values.given("volume_radius") ? 0 : values.number("volume_radius");
     s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
-    s.compensation = values.choice("compensation") == "on";
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
     s.direct_samples = static_cast<int>(values.integer("direct_samples"));
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
     s.cache = values.choice("cache") == "on";
-    s.records = cache_settings_of(values);
-    s.shadows = {count("shadow_photons"), chosen<Shadows>(shadows_names, values.choice("shadows")),
-                 static_cast<std::uint32_t>(values.integer("shadow_k"))};
+    s.accuracy = static_cast<float>(values.number("accuracy"));
+    s.shadow_photons = count("shadow_photons");
     refuse_without_effect(values, s);
     return std::make_unique<PhotonMapper>(s);
 }
@@ -327,7 +320,7 @@ namespace {
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
     const TuningSpan two_words = {0, 1, false}, three_words = {0, 2, false};
-    std::vector<Parameter> parameters = {
+    return {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
         count_parameter("volume_photons", "", "photons",
@@ -347,8 +340,6 @@ std::vector<Parameter> photon_mapper_parameters() {
         volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         tuned(disc_area_parameter(), three_words),
-        choice_parameter("compensation", {"off", "on"},
-                         "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
         tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
                                 "eye paths for emission and direct light, of each pixel in each pass, beside the one "
@@ -364,12 +355,9 @@ std::vector<Parameter> photon_mapper_parameters() {
         tuned(choice_parameter("cache", {"off", "on"},
                                "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
               two_words),
+        accuracy_parameter(),
+        shadow_photons_parameter(),
     };
-    for (Parameter& parameter : cache_parameters())
-        parameters.push_back(std::move(parameter));
-    for (Parameter& parameter : shadow_photon_parameters())
-        parameters.push_back(std::move(parameter));
-    return parameters;
 }
 
 }  // namespace

@@ -171,21 +171,18 @@ TEST_P(DegeneratePhotons, EstimateOnASurfaceIsWhatTheoryHas) {
     const SurfaceHit hit = floor_at(c.query);
     for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
         for (const std::size_t k : {std::size_t{1}, std::size_t{4}, std::size_t{100}, all_photons})
-            for (const DiscArea area : {DiscArea::surface, DiscArea::rejected, DiscArea::plain})
-                for (const bool compensation : {false, true}) {
-                    // Below 17 photons nothing is compensated; beyond, a test of noise chooses the disc.
-                    if (compensation && (k != 4 && k != 1)) continue;
-                    SCOPED_TRACE(testing::Message() << kernel_names[kernel] << " k " << k << " area "
-                                                    << static_cast<int>(area) << " compensation " << compensation);
-                    const DensityEstimator e{static_cast<Kernel>(kernel), k, c.radius, area, compensation};
-                    const Reflected L = looked_up(e, map, hit);
-                    ASSERT_TRUE(L.between_surfaces.isFinite().all());
-                    EXPECT_TRUE(is_black(L.through_media));
-                    const double expected = theory(c, e.kernel, k, known_at(c.query), kernel_on_disc) / pi_d;
-                    const double r = static_cast<double>(L.radius);
-                    expect_theory(c, static_cast<double>(L.between_surfaces[0]), expected,
-                                  expected > 0 ? kernel_on_disc(e.kernel, 0, r) / pi_d : 0);
-                }
+            for (const DiscArea area : {DiscArea::surface, DiscArea::rejected, DiscArea::plain}) {
+                SCOPED_TRACE(testing::Message()
+                             << kernel_names[kernel] << " k " << k << " area " << static_cast<int>(area));
+                const DensityEstimator e{static_cast<Kernel>(kernel), k, c.radius, area};
+                const Reflected L = looked_up(e, map, hit);
+                ASSERT_TRUE(L.between_surfaces.isFinite().all());
+                EXPECT_TRUE(is_black(L.through_media));
+                const double expected = theory(c, e.kernel, k, known_at(c.query), kernel_on_disc) / pi_d;
+                const double r = static_cast<double>(L.radius);
+                expect_theory(c, static_cast<double>(L.between_surfaces[0]), expected,
+                              expected > 0 ? kernel_on_disc(e.kernel, 0, r) / pi_d : 0);
+            }
 }
 
 const LoadedScene& empty_space() {
@@ -266,17 +263,6 @@ TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
     EXPECT_NEAR(integral, 2.0 * (k - 1) * std::log(2.0) * octaves, 1e-4 * integral);
     const double inside = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3::Zero())).between_surfaces[0]);
     EXPECT_NEAR(inside * pi_d * delta * delta / n, 1, 1e-5);
-}
-
-// The 40 photons at the point are more than the 16 of the smallest disc that
-// compensation looks at, so that disc has no area.
-TEST(FocusedPhotons, CompensationKeepsTheFocus) {
-    const PhotonMap map(photon_cases()[19].photons, 1);
-    ASSERT_EQ(photon_cases()[19].name, "AtThePointAndBesideIt");
-    const SurfaceHit hit = floor_at(Vec3::Zero());
-    const Reflected L = looked_up({Kernel::uniform, 100, 0.5f, DiscArea::surface, true}, map, hit);
-    const double delta = known_at(Vec3::Zero());
-    EXPECT_NEAR(static_cast<double>(L.between_surfaces[0]) * pi_d * pi_d * delta * delta / 40, 1, 1e-5);
 }
 
 // The power of a photon that grazes a surface of interpolated normals counts up to 100 times, which may overflow a

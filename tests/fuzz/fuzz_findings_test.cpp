@@ -238,7 +238,7 @@ TEST_F(ExperimentFindings, SweepsDoNotMultiplyWithoutBound) {
     // The sweep has 10^9 labels.
     std::string method = "[[method]]\nname = \"photon_mapper\"\n";
     for (const char* key : {"photons", "caustic_photons", "volume_photons", "k", "gather", "spp", "max_depth",
-                            "shadow_photons", "shadow_k"})
+                            "shadow_photons", "direct_samples"})
         method += std::string(key) + " = [2, 3, 4, 5, 6, 7, 8, 9, 10, 11]\n";
     EXPECT_THAT(error(method), HasSubstr("make more than 10000 combinations of values"));
 }

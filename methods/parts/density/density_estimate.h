@@ -77,9 +77,6 @@ struct DensityEstimator {
     std::size_t k;
     float max_radius;  ///< [scene units]
     DiscArea area;
-    /// Whether the number of photons, at most k, is chosen by methods/parts/density/bias_compensation.h;
-    /// not with all_photons.
-    bool compensation = false;
     bool estimates_bias = false;  ///< only with all_photons
     /// Bounds the radius by place, as a share of `max_radius`, with all_photons only; its flat regions spare any look-up rays.
     PlaceRadius by_place = {};
