@@ -32,6 +32,7 @@
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "methods/parts/photon_mapping/eye_pass.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
@@ -86,6 +87,26 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     return plan;
 }
 
+/// Indirect light by final gathering, from the irradiance cache where it has records and else by rays; direct light by shadow
+/// photons. What is not made is empty.
+struct GatheredLightAndShadows final : DiffuseLight {
+    std::optional<FinalGather> gather;
+    std::optional<CachedGather> cache;
+    std::optional<LightVisibility> visibility;
+
+    std::optional<Color> indirect(const EyeVertex& vertex, const SurfaceHit& hit, std::size_t pixel) override {
+        if (!gather) return std::nullopt;
+        const auto cached = cache ? cache->reflected_radiance(vertex, hit, pixel) : std::nullopt;
+        return cached ? cached : gather->reflected_radiance(vertex, hit);
+    }
+    std::optional<Color> direct(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
+                                const VertexNumbers& u) override {
+        const LobeTraits& lobes = hit.bsdf->traits_at(hit.shading.to_local(wo).z());
+        if (!visibility || lobes.rough || hit.bsdf->traits().transmission) return std::nullopt;
+        return visibility->sample_direct_light(rays, hit, wo, u);
+    }
+};
+
 class PhotonMapperRun final : public Run {
 public:
     PhotonMapperRun(const Scene& scene, const PhotonMapperSettings& settings, const Plan& plan,
@@ -125,6 +146,7 @@ public:
         // volume map too.
         if (plan.runs(step_volume)) fill_volume_map(aims.global.get());
         if (plan.runs(step_shadow_map)) fill_shadow_map();
+        if (other_.gather || other_.visibility) maps_.at_diffuse = &other_;
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -136,7 +158,7 @@ public:
                 return block.sample_split(rays, eye, sampler, pixel, settings_.direct_samples);
             };
         });
-        if (cache_) cache_->end_pass();
+        if (other_.cache) other_.cache->end_pass();
         return Progress::more;
     }
 
@@ -148,12 +170,12 @@ public:
     /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;
-        store(stored, "global", maps_.final_gather ? light_.map : maps_.global, settings_.photons);
+        store(stored, "global", other_.gather ? light_.map : maps_.global, settings_.photons);
         store(stored, "caustic", maps_.caustic, settings_.caustic_photons);
         store(stored, "volume", maps_.volume, settings_.volume_photons);
         if (maps_.along_rays) store(stored, maps_.along_rays->walk());
-        if (cache_)
-            for (const IrradianceRecord& record : cache_->cache().records())
+        if (other_.cache)
+            for (const IrradianceRecord& record : other_.cache->cache().records())
                 stored.records.push_back({record.p, record.n, settings_.accuracy * record.distance, record.irradiance});
         return stored;
     }
@@ -183,7 +205,7 @@ private:
         rays_ += shadow.rays;
         photons_ += shadow.emitted;
         const auto timer = stages_.time(step_shadow_map);
-        maps_.light_visibility.emplace(scene_, shadow.photons);
+        other_.visibility.emplace(scene_, shadow.photons);
     }
 
     /// Makes what gather rays need: photons, precomputed irradiance (Christensen 1999) and the irradiance cache.
@@ -210,15 +232,13 @@ private:
                                           combine_keys(seed_, places_key), rays_, &progress);
             }
         }
-        final_gather_.emplace(light_, settings_.gather);
-        maps_.final_gather = &*final_gather_;
+        other_.gather.emplace(light_, settings_.gather);
         if (!plan.runs(step_cache) || !traces_) return;
-        cache_.emplace(scene_, *final_gather_, settings_.accuracy);
-        maps_.cache = &*cache_;
+        other_.cache.emplace(scene_, *other_.gather, settings_.accuracy);
         const auto timer = stages_.time(step_cache);
         StageProgress progress(stages_, step_cache,
                                static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
-        rays_ += cache_->overture(walk_, seed_, &progress);
+        rays_ += other_.cache->overture(walk_, seed_, &progress);
     }
 
     /// Keeps the random numbers of discs around places of precomputed irradiance apart from those of photons.
@@ -235,8 +255,7 @@ private:
     std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
     GatheredLight light_;
-    std::optional<FinalGather> final_gather_;
-    std::optional<CachedGather> cache_;
+    GatheredLightAndShadows other_;
     std::uint64_t photons_ = 0, rays_ = 0;  ///< beside those of the maps
     std::uint32_t passes_ = 0;
 };

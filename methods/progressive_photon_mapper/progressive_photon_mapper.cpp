@@ -4,7 +4,7 @@
 //
 // Computes: every component, as photon_mapper does: direct light is sampled, specular paths are traced, caustics, indirect
 // light and light in media come from the density of photons. All photons within the radius of the pass count, and the
-// radius shrinks by the law of parts/density/shrinking_radius.h.
+// radius shrinks by the law of parts/density/radius.h.
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
 // volume, kernel, area, projection, guide; spp and max_depth as for all methods.
@@ -14,9 +14,7 @@
 // Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
 // found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/parts/density/biased_film.h"
-#include "methods/parts/density/first_radius.h"
-#include "methods/parts/density/progressive_parameters.h"
-#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/density/radius.h"
 #include "methods/parts/photon_mapping/eye_pass.h"
 #include "methods/parts/photon_mapping/photon_maps.h"
 #include "methods/parts/stored_light/stored_light.h"

@@ -6,6 +6,11 @@
 // x_{i-1} and knows the answer on arrival at x_i. The camera's walk comes from the other side and knows it only at its
 // next vertex; until then the term of merging at x_i is pending. As n takes rays, the camera's walk asks for it only when the
 // answer is yes, or when there is something to merge.
+//
+// Source: Georgiev 2012 (technique_sums.h). A merge adds its term n^2 to equations 35, 40 and 41 (TechniqueSums::set_from_both()),
+// or one vertex later (add_earlier()). d_vm is not stored. It is d_vc / n^2 where n is the same at all vertices; here n differs
+// between surfaces and media, so the weight of a merge divides the sum over the other techniques by the n^2 of its own vertex
+// (light_vertex_map.cpp). The density of events in a medium, per length times its scattering coefficient, merging has twice.
 
 #include "common/media/medium.h"
 #include "methods/parts/density/place_radius.h"

@@ -1,6 +1,6 @@
 #include "methods/vcm/merged_vertices.h"
 
-#include "methods/parts/density/first_radius.h"
+#include "methods/parts/density/radius.h"
 
 namespace gib {
 

@@ -2,7 +2,7 @@
 // Merging over the passes of a run: the vertices of the light paths of the present pass, and the radii, which shrink from
 // pass to pass.
 
-#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/density/radius.h"
 #include "methods/vcm/light_vertex_map.h"
 
 namespace gib {
@@ -17,7 +17,7 @@ inline constexpr std::string_view step_merging = "merging";
 
 struct MergingSettings {
     Merges merges;
-    double alpha;  ///< parts/density/shrinking_radius.h
+    double alpha;  ///< parts/density/radius.h
     Kernel kernel;
     double radius;           ///< radius of the first pass [scene diagonals]; 0: found from its light paths
     double radius_in_media;  ///< the same

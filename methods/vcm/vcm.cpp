@@ -18,7 +18,7 @@
 // path from the camera and one from a light for every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/scene/scene.h"
-#include "methods/parts/density/progressive_parameters.h"
+#include "methods/parts/density/radius.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/joined_paths.h"

@@ -1,7 +1,6 @@
 // Density estimates at the limits of their formulas: no photons, too few, all in
 // one place, without power or with too much.
 
-#include "methods/parts/density/place_rounding.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "methods/parts/gathering/gather_ray.h"
 #include "tests/methods/parts/density/density_fixtures.h"

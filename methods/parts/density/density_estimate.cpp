@@ -1,6 +1,5 @@
 #include "methods/parts/density/density_estimate.h"
 
-#include "methods/parts/density/place_rounding.h"
 #include "methods/parts/density/surface_disc.h"
 
 #include <algorithm>
@@ -285,19 +284,6 @@ private:
 };
 
 }  // namespace
-
-Vec3 lifted_above_horizon(const Vec3& wo_local, Vec3 wi_local) {
-    constexpr float horizon = 1e-4f;
-    if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
-    return wi_local;
-}
-
-float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
-    if (hit.ns == hit.ng) return 1.f;
-    const float towards = std::abs(wi.dot(hit.ns));
-    const float of_surface = std::max(std::abs(wi.dot(hit.ng)), 0.01f * towards);
-    return of_surface > 0.f ? towards / of_surface : 1.f;
-}
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,

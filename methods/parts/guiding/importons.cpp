@@ -74,22 +74,16 @@ void ImportonPlaces::append(const ImportonPlaces& more) {
 
 ImportonPlaces follow_importons(const Scene& scene, int max_edges, std::size_t count, std::uint64_t key,
                                 RadianceField* field) {
-    const Sensor& sensor = scene.sensor();
-    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
     constexpr std::size_t per_block = 1024;
     std::vector<ImportonPlaces> blocks((count + per_block - 1) / per_block);
     parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         ImportonPlaces& places = blocks[block];
         RayQueries rays(scene);
         ImportonDirections directions(field, places);
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t pixel = i * pixels / count;
-            for_each_pixel(rays, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
-                           [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
-                               directions.start(sampler);
-                               trace_path_in(directions, rays, eye, sampler, max_edges, false);
-                           });
-        }
+        for_paths_over_image(rays, key, begin, end, count, [&](const TracedRay& eye, const Sampler& sampler) {
+            directions.start(sampler);
+            trace_path_in(directions, rays, eye, sampler, max_edges, false);
+        });
         places.rays = rays.count();
     });
     ImportonPlaces all;
