@@ -134,9 +134,11 @@ public:
     virtual std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const = 0;
 };
 
-/// Settings that the scene file or the experiment decides where the method's label does not give them.
+/// Settings of a method that its label does not give.
 struct MethodDefaults {
-    int max_edges = std::numeric_limits<int>::max();  ///< edges of the longest path
+    int max_edges = std::numeric_limits<int>::max();  ///< edges of the longest path, unless the label gives them
+    /// Passes that other runs, of other seeds, have made before: methods whose radius shrinks go on from there.
+    std::uint64_t first_pass = 0;
 };
 
 /// A method's entry in the registry.

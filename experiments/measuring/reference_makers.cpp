@@ -3,7 +3,6 @@
 #include "experiments/measuring/group_moments.h"
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/metrics/epsilon.h"
-#include "methods/parts/density/progressive_parameters.h"
 
 #include <fmt/format.h>
 
@@ -341,15 +340,9 @@ std::vector<bool> outdone_makers(const std::vector<std::vector<double>>& judged,
 }
 
 /// The method with its settings, which goes on after so many passes if it depends on them.
-std::unique_ptr<Method> method_after(const MethodDescription& method, MethodLabel label, int max_edges,
+std::unique_ptr<Method> method_after(const MethodDescription& method, const MethodLabel& label, int max_edges,
                                      std::uint64_t passes) {
-    const std::vector<Parameter> declared = all_parameters(method);
-    const auto has_name = [](const Parameter& parameter) { return parameter.name == first_pass_name; };
-    const bool is_given =
-        std::ranges::any_of(label.values, [](const auto& value) { return value.first == first_pass_name; });
-    if (passes > 0 && !is_given && std::ranges::any_of(declared, has_name))
-        label.values.emplace_back(first_pass_name, std::to_string(passes));
-    return method.create(ParameterValues(declared, label), {max_edges});
+    return method.create(ParameterValues(all_parameters(method), label), {max_edges, passes});
 }
 
 /// Adds the weighted image, if there is one, to the sum, which begins with the first.

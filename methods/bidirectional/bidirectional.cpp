@@ -7,9 +7,8 @@
 // a light's walk: s = 0, the camera's walk finds the light; s = 1, a point of a light is sampled; s = k, the light's
 // walk is connected to the camera; the others connect two vertices. The power heuristic weighs them (technique_sums.h).
 // Parameters: sampler = sobol (default) | independent; shared_paths = 16 (default) | 1 | 4 | 64 | 256 light paths that a path
-// from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h); hits,
-// light_sampling, connections, camera = on (default) | off, which turn techniques off: the others take over what they can make,
-// the rest of the light is missing; techniques = off (default) | on, which keeps an image of each technique
+// from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h);
+// techniques = off (default) | on, which keeps an image of each technique
 // (parts/vertices/technique_pyramid.h); spp and max_depth as for all methods.
 // Bias: none, for paths that it can sample. It cannot sample the light of point, spot, projector and directional lights that
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
@@ -25,66 +24,47 @@ namespace {
 
 class Bidirectional final : public Method {
 public:
-    explicit Bidirectional(const JoinedPathsSettings& settings) : settings_(settings) {}
+    Bidirectional(const PathRules& rules, bool shows_techniques) : rules_(rules), shows_techniques_(shows_techniques) {}
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("bidirectional"));
-        const Techniques& used = settings_.used;
-        const bool uses_all = used.hits && used.light_sampling && used.connections && used.camera;
-        leave_out(plan, uses_all ? components_of_delta_paths(scene, plan.called_for)
-                                 : find_method("bidirectional").components);
+        leave_out(plan, components_of_delta_paths(scene, plan.called_for));
         leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
-        add_joined_paths(plan, scene, settings_);
-        add_importons(plan, settings_.guiding, why_no_importons(plan));
+        add_joined_paths(plan, scene, rules_);
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan planned = plan(scene);
-        return start_joined_paths(scene, settings_, planned,
+        return start_joined_paths(scene, rules_, shows_techniques_, planned,
                                   shown_components(scene, planned.called_for, find_method("bidirectional")), seed,
                                   stages);
     }
 
 private:
-    JoinedPathsSettings settings_;
+    PathRules rules_;
+    bool shows_techniques_;
 };
 
 }  // namespace
 
 MethodDescription describe_bidirectional() {
-    const auto technique = [](std::string name, std::string meaning) {
-        return choice_parameter(std::move(name), {"on", "off"}, std::move(meaning));
-    };
     return {
         .name = "bidirectional",
         .sentence = "paths from the camera and from the lights, joined in all ways: unbiased, resolves caustics",
-        .parameters = {point_set_parameter(), technique("hits", "paths from the camera find lights by themselves"),
-                       technique("light_sampling", "points of lights are sampled from paths from the camera"),
-                       technique("connections", "vertices of both paths are connected"),
-                       technique("camera", "vertices of light paths are connected to the camera"),
+        .parameters = {point_set_parameter(),
                        choice_parameter(
                            "techniques", {"off", "on"},
                            "keep an image of each technique, weighted and alone, for paths of up to 5 edges"),
-                       shared_paths_parameter(), guide_parameter()},
+                       shared_paths_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = true,
         .create = [](const ParameterValues& values, const MethodDefaults& defaults) -> std::unique_ptr<Method> {
-            const auto on = [&](const char* name) { return values.choice(name) == "on"; };
-            if (!on("connections")) values.refuse({std::string(shared_paths_name)}, "connections=off");
-            return std::make_unique<Bidirectional>(JoinedPathsSettings{
-                point_set_of(values),
-                max_edges_of(values, defaults),
-                {.hits = on("hits"),
-                 .light_sampling = on("light_sampling"),
-                 .connections = on("connections"),
-                 .camera = on("camera")},
-                on("techniques"),
-                {},
-                guiding_of(values),
-                shared_paths_of(values),
-            });
+            return std::make_unique<Bidirectional>(PathRules{.max_edges = max_edges_of(values, defaults),
+                                                             .points = point_set_of(values),
+                                                             .shared_paths = shared_paths_of(values)},
+                                                   values.choice("techniques") == "on");
         },
         .ray_cost = 1.6,
     };

@@ -2,7 +2,7 @@
 // Directions of a path that follow a radiance field or the bsdf, by one-sample multiple importance sampling (Mueller 2017,
 // section 3), roulette by what a path is expected to find, and the record of what it found.
 
-#include "methods/parts/guiding/guided_scattering.h"
+#include "methods/guided_path/guided_scattering.h"
 #include "methods/parts/transport/path_tracer.h"
 
 #include <optional>

@@ -13,7 +13,6 @@
 // noisy as that of `path`.
 #include "common/scene/scene.h"
 #include "methods/guided_path/guided_directions.h"
-#include "methods/parts/photons/find_guide.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/transport/point_set_parameter.h"
@@ -96,7 +95,7 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {{"cells", std::to_string(field_.leaf_count())},
                 {"quadtree_nodes", std::to_string(field_.node_count())},
-                guide_fact(pays())};
+                {"guided", pays() ? "yes" : "no"}};
     }
 
 private:

@@ -23,9 +23,6 @@ namespace gib {
 
 namespace {
 
-/// The only technique in use, so that all weights are 1.
-constexpr Techniques to_the_camera = {.hits = false, .light_sampling = false, .connections = false, .camera = true};
-
 class LightTracerRun final : public Run {
 public:
     LightTracerRun(const Scene& scene, PointSet points, Guiding guiding, std::uint64_t seed, int max_edges,
@@ -33,11 +30,10 @@ public:
         : scene_(scene),
           points_(points),
           seed_(seed),
-          rules_{max_edges, to_the_camera},
+          rules_{.max_edges = max_edges, .weighs = false},
           lit_(scene.has_light()),
           follows_(plan.runs(step_light_paths)),
-          paths_(scene, plan, stages, find_guide(scene, guiding, {max_edges, false, true}, plan, seed, stages, rays_),
-                 true),
+          paths_(scene, plan, stages, LightPolicy::find(scene, guiding, {max_edges, true}, plan, seed, stages, rays_)),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           splats_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, paths_.sum_unit),
           stages_(stages) {}
@@ -67,7 +63,7 @@ public:
     }
     RunCounts counts() const override { return {.rays = rays_, .non_finite = splats_.non_finite()}; }
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        return {guide_fact(paths_.guide != nullptr)};
+        return {guide_fact(paths_.policy != nullptr)};
     }
 
 private:
@@ -80,7 +76,7 @@ private:
         add(sample_light_from_camera(rays, paths_, splats_, false, camera_numbers.at_vertex(0), flights));
         const auto start = follows_ ? paths_.emission.sample(sampler) : std::nullopt;
         if (!start) return;
-        LightWalk(rays, sampler, paths_, rules_, *start,
+        LightWalk(rays, sampler, paths_, rules_, NoMerging(), *start,
                   [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights_of_path) {
                       add(connect_to_camera(rays, vertex, paths_, rules_, splats_,
                                             {u.light_position(), u.light_choice()}, flights_of_path));

@@ -39,9 +39,7 @@ struct Settings {
     int max_edges;
 };
 
-JoinedPathsSettings short_paths(const Settings& settings) {
-    return {PointSet::sobol, std::min(settings.max_edges, shortest - 1), {}};
-}
+PathRules short_paths(const Settings& settings) { return {.max_edges = std::min(settings.max_edges, shortest - 1)}; }
 
 /// The light that the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels.
 struct State {
@@ -52,7 +50,14 @@ struct State {
 /// Makes the states of one thread.
 class StateMaker {
 public:
-    StateMaker(const Scene& scene, const PassOfPaths& pass) : rays_(scene), pass_(pass), estimate_(pass) {}
+    StateMaker(const Scene& scene, const JoinedPaths<NoMerging>& joined, const Pass& pass, SplatFilm& film)
+        : rays_(scene),
+          paths_(joined.paths),
+          pass_(pass),
+          film_(film),
+          estimate_(joined, pass,
+                    [this](std::size_t pixel, const PixelSample& light) { state_->light.emplace_back(pixel, light); }) {
+    }
 
     std::uint64_t rays() const { return rays_.count(); }
 
@@ -69,10 +74,10 @@ public:
         const auto pixel = static_cast<std::size_t>(y * sensor.width() + x);
 
         state.light.clear();
-        PixelSample seen =
-            estimate_(rays_, {ray[0], found[0], sensor.hides_emitters()}, sampler, pixel, &state.light).light;
+        state_ = &state;
+        PixelSample seen = estimate_(rays_, {ray[0], found[0], sensor.hides_emitters()}, sampler, pixel);
         for (Color& part : seen.parts)
-            part *= static_cast<float>(pass_.paths.count);
+            part *= static_cast<float>(paths_.count);
         state.light.emplace_back(pixel, seen);
         state.size = 0;
         PixelSample lost;
@@ -82,14 +87,17 @@ public:
                 if (!light.parts[c].isFinite().all()) lost.parts[c] = light.parts[c];
             }
         if (std::isfinite(state.size)) return;
-        pass_.splats.add(pixel, pass_.pass, lost);  // counts and drops what is not finite
+        film_.add(pixel, pass_.number, lost);  // counts and drops what is not finite
         state = {};
     }
 
 private:
     RayQueries rays_;
-    const PassOfPaths& pass_;
-    JoinedPathsEstimate estimate_;
+    const LightPaths& paths_;
+    const Pass& pass_;
+    SplatFilm& film_;
+    State* state_ = nullptr;  ///< that is being made
+    JoinedPathsEstimate<NoMerging> estimate_;
 };
 
 class MetropolisRun final : public Run {
@@ -104,11 +112,12 @@ public:
           short_paths_(std::move(short_paths)),
           light_paths_(scene, plan, stages),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, light_paths_.sum_unit),
-          pass_{.paths = light_paths_,
-                .rules = {.max_edges = settings.max_edges,
-                          .used = {.light_sampling = plan.runs(step_light_sampling)},
-                          .min_edges = shortest},
-                .splats = film_} {
+          joined_{light_paths_,
+                  {.max_edges = settings.max_edges,
+                   .light_sampling = plan.runs(step_light_sampling),
+                   .min_edges = shortest},
+                  film_,
+                  no_merging_} {
         const auto pixels = static_cast<std::size_t>(light_paths_.count);
         chains_ = (pixels + steps_of_chain - 1) / steps_of_chain;
         steps_ = (pixels + chains_ - 1) / chains_;
@@ -120,7 +129,7 @@ public:
         passes_ = pass + 1;
         const Progress progress = short_paths_->advance(pass);
         if (!runs_) return progress;
-        pass_.pass = pass;
+        pass_.number = pass;
         const auto timer = stages_.time(step_chains);
         const std::uint64_t key = combine_keys(seed_, std::uint64_t{pass} + 2);
         const std::vector<double> sizes = sample_starts(key, true);
@@ -155,7 +164,7 @@ private:
         std::vector<double> sizes(starts_);
         std::atomic<std::uint64_t> traced = 0;
         parallel_blocks(starts_, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
-            StateMaker maker(scene_, pass_);
+            StateMaker maker(scene_, joined_, pass_, film_);
             State state;
             for (std::size_t i = begin; i < end; ++i) {
                 PrimarySample numbers(start_key(key, i), 0);
@@ -180,7 +189,7 @@ private:
             const double at = (static_cast<double>(chain) + offset) / static_cast<double>(chains_) * cumulative.back();
             const auto start =
                 std::min(std::upper_bound(cumulative.begin(), cumulative.end(), at), cumulative.end() - 1);
-            StateMaker maker(scene_, pass_);
+            StateMaker maker(scene_, joined_, pass_, film_);
             follow_chain(maker, start_key(key, static_cast<std::size_t>(start - cumulative.begin())),
                          combine_keys(key, 2 * chain + 1), mean);
             traced += maker.rays();
@@ -241,7 +250,7 @@ private:
             PixelSample scaled;
             for (std::size_t c = 0; c < light.parts.size(); ++c)
                 scaled.parts[c] = static_cast<float>(factor) * light.parts[c];
-            film_.add(pixel, pass_.pass, scaled);
+            film_.add(pixel, pass_.number, scaled);
         }
     }
 
@@ -253,7 +262,9 @@ private:
     std::unique_ptr<Run> short_paths_;
     LightPaths light_paths_;
     SplatFilm film_;
-    PassOfPaths pass_;
+    NoMerging no_merging_;
+    JoinedPaths<NoMerging> joined_;
+    Pass pass_{};
     std::size_t chains_, steps_, starts_;          ///< of a pass; steps are those of one chain
     double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, 0 if no light is known; its sum over passes
     std::uint64_t rays_ = 0;
@@ -268,7 +279,7 @@ public:
         Plan plan = described_plan(scene, find_method("metropolis"));
         leave_out(plan, components_of_delta_paths(scene, plan.called_for));
         leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
-        add_joined_paths(plan, scene, {PointSet::sobol, settings_.max_edges, {}});
+        add_joined_paths(plan, scene, {.max_edges = settings_.max_edges});
         const bool follows = plan.runs(step_light_paths);
         plan.add(step_chains, follows && settings_.max_edges >= shortest,
                  follows ? "chains make paths of three edges and more, which max_depth does not allow"
@@ -281,7 +292,7 @@ public:
         const ShownComponents shown = shown_components(scene, planned.called_for, find_method("metropolis"));
         Plan of_short_paths = described_plan(scene, find_method("metropolis"));
         add_joined_paths(of_short_paths, scene, short_paths(settings_));
-        auto short_run = start_joined_paths(scene, short_paths(settings_), of_short_paths, shown, seed, stages);
+        auto short_run = start_joined_paths(scene, short_paths(settings_), false, of_short_paths, shown, seed, stages);
         return std::make_unique<MetropolisRun>(scene, settings_, planned, std::move(short_run), shown, seed, stages);
     }
 

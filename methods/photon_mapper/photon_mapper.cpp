@@ -14,14 +14,13 @@
 // the medium is weighted by its transmittance. Light found at the end of a specular path counts only before that surface or event
 // (emission), so that every path is counted once.
 // Parameters: photons, caustic_photons, volume_photons [emitted], k, radius, caustic_radius and volume_radius
-// [fractions of the scene's diagonal], volume, kernel, area, compensation, projection, guide, direct_samples; gather [rays], source, cache,
-// accuracy, spacing, min_spacing and max_spacing; shadow_photons, shadow_k and shadows
-// (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
+// [fractions of the scene's diagonal], volume, kernel, area, projection, direct_samples; gather [rays], source, cache,
+// accuracy; shadow_photons (methods/parts/shadow_photons/light_visibility.h); spp and max_depth as for all methods. The declarations at the end of
 // this file state the defaults.
 // Bias: the estimates blur light over the look-up radius. This bias falls with more photons at fixed k, and together
 // with the noise at k=auto. More samples a pixel lower neither the bias nor the noise of the maps. Gathered light is
 // blurred where gather rays end, to the nearest place with precomputed irradiance, and between the cache's records:
-// near small objects a record may be used up to min_spacing away although it has missed an object that a neighbouring
+// near small objects a record may be used up to 1.5 pixels away although it has missed an object that a neighbouring
 // record sees. Where the length of paths is limited, stored light is rescaled for longer ways from the eye
 // (PhotonLengths). In scenes with media or dispersion nothing is gathered.
 // A pass: one sample of every pixel; with direct_samples > 1, emission and direct light are the mean over so many eye paths
@@ -33,6 +32,7 @@
 #include "methods/photon_mapper/photon_mapper.h"
 
 #include "methods/parts/photon_mapping/eye_pass.h"
+#include "methods/parts/shadow_photons/light_visibility.h"
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
@@ -83,10 +83,29 @@ Plan plan_for(const Scene& scene, const Effects& effects, const PhotonMapperSett
     add_global_map(plan, settings, follows_paths ? "gather rays are followed by path tracing" : "");
     add_volume_map(plan, scene, settings);
     add_aims(plan, scene, settings);
-    add_guide(plan, settings);
-    add_shadow_map(plan, scene, settings.shadows);
+    add_shadow_map(plan, scene, settings.shadow_photons);
     return plan;
 }
+
+/// Indirect light by final gathering, from the irradiance cache where it has records and else by rays; direct light by shadow
+/// photons. What is not made is empty.
+struct GatheredLightAndShadows final : DiffuseLight {
+    std::optional<FinalGather> gather;
+    std::optional<CachedGather> cache;
+    std::optional<LightVisibility> visibility;
+
+    std::optional<Color> indirect(const EyeVertex& vertex, const SurfaceHit& hit, std::size_t pixel) override {
+        if (!gather) return std::nullopt;
+        const auto cached = cache ? cache->reflected_radiance(vertex, hit, pixel) : std::nullopt;
+        return cached ? cached : gather->reflected_radiance(vertex, hit);
+    }
+    std::optional<Color> direct(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
+                                const VertexNumbers& u) override {
+        const LobeTraits& lobes = hit.bsdf->traits_at(hit.shading.to_local(wo).z());
+        if (!visibility || lobes.rough || hit.bsdf->traits().transmission) return std::nullopt;
+        return visibility->sample_direct_light(rays, hit, wo, u);
+    }
+};
 
 class PhotonMapperRun final : public Run {
 public:
@@ -101,7 +120,6 @@ public:
           walk_{settings.max_edges, plan.runs(step_light_sampling), plan.runs(step_specular)},
           tracing_(scene, settings.max_edges, stages) {
         const Aims aims = build_aims(plan, scene, settings, stages);
-        tracing_.find_guide(plan, settings, plan.runs(step_gather), seed);
         if (plan.runs(step_caustic))
             maps_.caustic =
                 tracing_.traced_map(PhotonMapKind::caustic, settings.caustic_photons, aims.caustic.get(), seed);
@@ -113,7 +131,6 @@ public:
                                     .k = k,
                                     .max_radius = length(radius),
                                     .area = settings.area,
-                                    .compensation = settings.compensation,
                                     .by_place = {.flat = flat_regions_ ? &*flat_regions_ : nullptr}};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
@@ -129,6 +146,7 @@ public:
         // volume map too.
         if (plan.runs(step_volume)) fill_volume_map(aims.global.get());
         if (plan.runs(step_shadow_map)) fill_shadow_map();
+        if (other_.gather || other_.visibility) maps_.at_diffuse = &other_;
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -140,7 +158,7 @@ public:
                 return block.sample_split(rays, eye, sampler, pixel, settings_.direct_samples);
             };
         });
-        if (cache_) cache_->end_pass();
+        if (other_.cache) other_.cache->end_pass();
         return Progress::more;
     }
 
@@ -149,21 +167,16 @@ public:
         return {photons_ + tracing_.photons(), rays_ + tracing_.rays(), film_.non_finite()};
     }
 
-    std::vector<std::pair<std::string, std::string>> facts() const override {
-        return {guide_fact(tracing_.is_guided())};
-    }
-
     /// The maps and the cache are filled at the start; the few records that passes add are not waited for.
     StoredLight stored_light() const override {
         StoredLight stored;
-        stored.add("global", maps_.final_gather ? light_.map : maps_.global, settings_.photons);
-        stored.add("caustic", maps_.caustic, settings_.caustic_photons);
-        stored.add("volume", maps_.volume, settings_.volume_photons);
-        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
-        if (cache_)
-            for (const IrradianceRecord& record : cache_->cache().records())
-                stored.records.push_back(
-                    {record.p, record.n, settings_.records.accuracy * record.distance, record.irradiance});
+        store(stored, "global", other_.gather ? light_.map : maps_.global, settings_.photons);
+        store(stored, "caustic", maps_.caustic, settings_.caustic_photons);
+        store(stored, "volume", maps_.volume, settings_.volume_photons);
+        if (maps_.along_rays) store(stored, maps_.along_rays->walk());
+        if (other_.cache)
+            for (const IrradianceRecord& record : other_.cache->cache().records())
+                stored.records.push_back({record.p, record.n, settings_.accuracy * record.distance, record.irradiance});
         return stored;
     }
 
@@ -186,13 +199,13 @@ private:
         ShadowPhotonResult shadow;
         {
             const auto timer = stages_.time(tracing);
-            StageProgress progress(stages_, tracing, settings_.shadows.photons);
-            shadow = trace_shadow_photons(scene_, settings_.shadows.photons, seed_, &progress);
+            StageProgress progress(stages_, tracing, settings_.shadow_photons);
+            shadow = trace_shadow_photons(scene_, settings_.shadow_photons, seed_, &progress);
         }
         rays_ += shadow.rays;
         photons_ += shadow.emitted;
         const auto timer = stages_.time(step_shadow_map);
-        maps_.light_visibility.emplace(scene_, shadow.photons, settings_.shadows);
+        other_.visibility.emplace(scene_, shadow.photons);
     }
 
     /// Makes what gather rays need: photons, precomputed irradiance (Christensen 1999) and the irradiance cache.
@@ -219,15 +232,13 @@ private:
                                           combine_keys(seed_, places_key), rays_, &progress);
             }
         }
-        final_gather_.emplace(light_, settings_.gather);
-        maps_.final_gather = &*final_gather_;
+        other_.gather.emplace(light_, settings_.gather);
         if (!plan.runs(step_cache) || !traces_) return;
-        cache_.emplace(scene_, *final_gather_, settings_.records);
-        maps_.cache = &*cache_;
+        other_.cache.emplace(scene_, *other_.gather, settings_.accuracy);
         const auto timer = stages_.time(step_cache);
         StageProgress progress(stages_, step_cache,
                                static_cast<std::uint64_t>(scene_.sensor().width() * scene_.sensor().height()));
-        rays_ += cache_->overture(walk_, seed_, &progress);
+        rays_ += other_.cache->overture(walk_, seed_, &progress);
     }
 
     /// Keeps the random numbers of discs around places of precomputed irradiance apart from those of photons.
@@ -244,8 +255,7 @@ private:
     std::optional<FlatRegions> flat_regions_;
     PhotonMaps maps_;
     GatheredLight light_;
-    std::optional<FinalGather> final_gather_;
-    std::optional<CachedGather> cache_;
+    GatheredLightAndShadows other_;
     std::uint64_t photons_ = 0, rays_ = 0;  ///< beside those of the maps
     std::uint32_t passes_ = 0;
 };
@@ -271,14 +281,12 @@ void refuse_without_effect(const ParameterValues& values, const PhotonMapperSett
     if (s.caustic_photons == 0) values.refuse({"caustic_radius"}, "caustic_photons=0");
     if (s.volume_photons == 0) values.refuse({"volume", "volume_radius"}, "volume_photons=0");
     if (s.photons == 0 && s.caustic_photons == 0) {
-        values.refuse({"area", "compensation", "projection", "guide"}, "no photons on surfaces");
+        values.refuse({"area", "projection"}, "no photons on surfaces");
         if (s.volume_photons == 0) values.refuse({"k", "kernel"}, "no photons");
     }
-    if (s.compensation && s.k == all_photons) values.refuse({"compensation"}, "k=all, which keeps the radius");
     if (s.gather == 0) values.refuse({"source", "cache"}, "gather=0");
     if (s.photons == 0 && s.source != GatherSource::paths) values.refuse({"gather"}, "photons=0, unless source=paths");
-    if (!s.cache) values.refuse(names_of(cache_parameters()), "cache=off");
-    if (s.shadows.photons == 0) values.refuse({"shadows", "shadow_k"}, "shadow_photons=0");
+    if (!s.cache) values.refuse({"accuracy"}, "cache=off");
 }
 
 std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, const MethodDefaults& defaults) {
@@ -300,17 +308,14 @@ std::unique_ptr<Method> create_photon_mapper(const ParameterValues& values, cons
     s.volume_radius = along_rays && !values.given("volume_radius") ? 0 : values.number("volume_radius");
     s.kernel = chosen<Kernel>(kernel_names, values.choice("kernel"));
     s.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
-    s.compensation = values.choice("compensation") == "on";
     s.max_edges = max_edges_of(values, defaults);
     s.projection = values.choice("projection") == "on";
-    s.guiding = guiding_of(values);
     s.direct_samples = static_cast<int>(values.integer("direct_samples"));
     s.gather = static_cast<int>(values.integer("gather"));
     s.source = chosen<GatherSource>(gather_source_names, values.choice("source"));
     s.cache = values.choice("cache") == "on";
-    s.records = cache_settings_of(values);
-    s.shadows = {count("shadow_photons"), chosen<Shadows>(shadows_names, values.choice("shadows")),
-                 static_cast<std::uint32_t>(values.integer("shadow_k"))};
+    s.accuracy = static_cast<float>(values.number("accuracy"));
+    s.shadow_photons = count("shadow_photons");
     refuse_without_effect(values, s);
     return std::make_unique<PhotonMapper>(s);
 }
@@ -334,7 +339,7 @@ namespace {
 std::vector<Parameter> photon_mapper_parameters() {
     const std::string diagonals = "scene diagonals";
     const TuningSpan two_words = {0, 1, false}, three_words = {0, 2, false};
-    std::vector<Parameter> parameters = {
+    return {
         tuned(count_parameter("photons", "1000000", "photons", "emitted for the global map"), {1e4, 1e6}),
         count_parameter("caustic_photons", "", "photons", "emitted for the caustic map; default: the value of photons"),
         count_parameter("volume_photons", "", "photons",
@@ -354,10 +359,7 @@ std::vector<Parameter> photon_mapper_parameters() {
         volume_parameter(),
         choice_parameter("kernel", strings(kernel_names), "weight of a photon as a function of its distance"),
         tuned(disc_area_parameter(), three_words),
-        choice_parameter("compensation", {"off", "on"},
-                         "use fewer than k photons where more would blur: only as many as agree within their noise"),
         projection_parameter(),
-        guide_parameter(Guiding::off),
         tuned(integer_parameter("direct_samples", "1", "paths", 1, 65536,
                                 "eye paths for emission and direct light, of each pixel in each pass, beside the one "
                                 "that looks up photons; 1: one path for all light"),
@@ -372,12 +374,9 @@ std::vector<Parameter> photon_mapper_parameters() {
         tuned(choice_parameter("cache", {"off", "on"},
                                "on ideal diffuse surfaces, gather at a few places and interpolate irradiance"),
               two_words),
+        accuracy_parameter(),
+        shadow_photons_parameter(),
     };
-    for (Parameter& parameter : cache_parameters())
-        parameters.push_back(std::move(parameter));
-    for (Parameter& parameter : shadow_photon_parameters())
-        parameters.push_back(std::move(parameter));
-    return parameters;
 }
 
 }  // namespace

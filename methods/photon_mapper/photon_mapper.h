@@ -10,12 +10,11 @@ namespace gib {
 
 struct PhotonMapperSettings : PhotonMapSettings {
     int direct_samples = 1;  ///< eye paths for emission and direct light, of each pixel in each pass
-    bool compensation;       ///< bias compensation: an estimate uses fewer than k photons where more would blur
     int gather = 0;          ///< rays of a final gather; 0: indirect light comes from the global map
     GatherSource source = GatherSource::irradiance;
-    bool cache = false;  ///< gathered irradiance is interpolated between the records of a cache
-    CacheSettings records = {};
-    ShadowPhotonSettings shadows = {};
+    bool cache = false;                ///< gathered irradiance is interpolated between the records of a cache
+    float accuracy = 0.15f;            ///< of the cache
+    std::uint64_t shadow_photons = 0;  ///< emitted; 0: lights are chosen without them
 };
 
 /// The value of k=auto for this number of photons N: 50 at 1e5 photons, growing as N^(2/3), at least 4. The bias of

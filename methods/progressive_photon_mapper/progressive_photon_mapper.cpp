@@ -4,8 +4,8 @@
 //
 // Computes: every component, as photon_mapper does: direct light is sampled, specular paths are traced, caustics, indirect
 // light and light in media come from the density of photons. All photons within the radius of the pass count, and the
-// radius shrinks by the law of parts/density/shrinking_radius.h.
-// Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, first_pass, radius, caustic_radius,
+// radius shrinks by the law of parts/density/radius.h.
+// Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
 // volume, kernel, area, projection, guide; spp and max_depth as for all methods.
 // Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
@@ -14,12 +14,11 @@
 // Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
 // found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/parts/density/biased_film.h"
-#include "methods/parts/density/first_radius.h"
-#include "methods/parts/density/progressive_parameters.h"
-#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/density/radius.h"
 #include "methods/parts/photon_mapping/eye_pass.h"
 #include "methods/parts/photon_mapping/photon_maps.h"
 #include "methods/parts/stored_light/stored_light.h"
+#include "methods/parts/transport/light_policy.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <algorithm>
@@ -36,6 +35,7 @@ struct ProgressiveSettings {
     PhotonMapSettings maps;  ///< radii of 0 are found from the first pass's photons; so are numbers of photons of 0
     double alpha;
     std::uint64_t first_pass;
+    Guiding guiding;
 };
 
 class ProgressivePhotonMapperRun final : public Run {
@@ -57,7 +57,8 @@ public:
         passes_ = pass + 1;
         if (!plan_.runs(step_eye_paths)) return Progress::converged;
         if (pass == 0) {
-            tracing_.find_guide(plan_, settings_.maps, false, seed_);
+            tracing_.follow(LightPolicy::find(scene_, settings_.guiding, {settings_.maps.max_edges, false}, plan_,
+                                              seed_, stages_, rays_));
             find_first_radii();
             flat_regions_.emplace(scene_, FlatRegions::resolution_for(settings_.maps.photons));
         }
@@ -77,15 +78,15 @@ public:
     /// The radii of the first pass [scene diagonals].
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {radius_fact("radius", first_.global, scene_), radius_fact("caustic_radius", first_.caustic, scene_),
-                radius_fact("volume_radius", first_.volume, scene_), guide_fact(tracing_.is_guided())};
+                radius_fact("volume_radius", first_.volume, scene_), guide_fact(tracing_.has_policy())};
     }
 
     StoredLight stored_light() const override {
         StoredLight stored{.changes_with_passes = plan_.runs(step_eye_paths), .is_of_one_pass = true};
-        stored.add("global", maps_.global, settings_.maps.photons);
-        stored.add("caustic", maps_.caustic, settings_.maps.caustic_photons);
-        stored.add("volume", maps_.volume, settings_.maps.volume_photons);
-        if (maps_.along_rays) stored.add(maps_.along_rays->walk());
+        store(stored, "global", maps_.global, settings_.maps.photons);
+        store(stored, "caustic", maps_.caustic, settings_.maps.caustic_photons);
+        store(stored, "volume", maps_.volume, settings_.maps.volume_photons);
+        if (maps_.along_rays) store(stored, maps_.along_rays->walk());
         return stored;
     }
 
@@ -129,7 +130,7 @@ private:
             pilot.unit = walk.unit;
         }
         return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
-                            tracing_.is_guided() ? most_guided_photons : most_photons,
+                            tracing_.has_policy() ? most_guided_photons : most_photons,
                             kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
 
@@ -206,7 +207,8 @@ public:
         add_global_map(plan, maps);
         add_volume_map(plan, scene, maps);
         add_aims(plan, scene, maps);
-        add_guide(plan, maps);
+        const bool has_maps = plan.runs(step_caustic) || plan.runs(step_global) || plan.runs(step_volume);
+        add_importons(plan, settings_.guiding, has_maps ? "" : "no map is run");
         return plan;
     }
 
@@ -256,9 +258,9 @@ std::unique_ptr<Method> create_progressive_photon_mapper(const ParameterValues& 
     s.maps.area = chosen<DiscArea>(disc_area_names, values.choice("area"));
     s.maps.max_edges = max_edges_of(values, defaults);
     s.maps.projection = values.choice("projection") == "on";
-    s.maps.guiding = guiding_of(values);
+    s.guiding = guiding_of(values);
     s.alpha = values.number("alpha");
-    s.first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name));
+    s.first_pass = defaults.first_pass;
     return std::make_unique<ProgressivePhotonMapper>(s);
 }
 
@@ -274,7 +276,6 @@ std::vector<Parameter> progressive_parameters() {
         photons("volume_photons",
                 "emitted for the volume map of a pass; default: the value of photons, with volume=beams a tenth of it"),
         alpha_parameter(),
-        first_pass_parameter(),
         first_radius_parameter("radius", "in the global map", "50 photons"),
         first_radius_parameter("caustic_radius", "in the caustic map", "50 photons"),
         first_radius_parameter("volume_radius", "in the volume map", "50 photons"),

@@ -1,5 +1,5 @@
 #pragma once
-// The part of radiosity that is the same for all cameras: patches, links, the system and its solution.
+// The solution of radiosity: patches, links, the system and its solution.
 
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/radiosity/corners.h"

@@ -22,6 +22,7 @@
 // no limit and light is shut in among surfaces that absorb none of it.
 #include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/delta_paths.h"
+#include "methods/parts/transport/pixel_samples.h"
 #include "methods/radiosity/view.h"
 
 namespace gib {
@@ -46,20 +47,30 @@ class RadiosityRun final : public Run {
 public:
     RadiosityRun(const Scene& scene, const RadiositySettings& settings, const Plan& plan, std::uint64_t seed,
                  StageTimes& stages)
-        : model_(plan.runs(pass_solution) ? std::make_unique<RadiosityModel>(scene, settings, seed, stages) : nullptr),
+        : scene_(scene),
+          model_(plan.runs(pass_solution) ? std::make_unique<RadiosityModel>(scene, settings, seed, stages) : nullptr),
           traces_(plan.runs(step_eye_paths)),
-          view_(scene, plan.called_for, model_.get(),
-                {settings.max_edges, plan.runs(step_light_sampling), settings.gather}, seed, stages) {}
+          view_{settings.max_edges, plan.runs(step_light_sampling), settings.gather},
+          seed_(seed),
+          stages_(stages),
+          components_(shown_components(scene, plan.called_for, description())) {
+        start_film();
+    }
 
     Progress advance(std::uint32_t pass) override {
-        const bool changed = model_ && model_->advance();
+        if (model_ && model_->advance()) start_film();  // images show the latest solution only
         if (!traces_) return Progress::converged;
-        view_.sample(pass, changed);
+        ++passes_;
+        rays_ += sample_pixels(scene_, *film_, PointSet::sobol, seed_, pass, stages_, "view", [this] {
+            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+                return sample_radiosity(rays, eye, sampler, model_.get(), view_);
+            };
+        });
         return Progress::more;
     }
 
-    ComponentImages image() const override { return view_.image(); }
-    RunCounts counts() const override { return {0, view_.rays() + (model_ ? model_->rays() : 0), view_.non_finite()}; }
+    ComponentImages image() const override { return film_->mean(passes_); }
+    RunCounts counts() const override { return {0, rays_ + (model_ ? model_->rays() : 0), film_->non_finite()}; }
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return model_ ? model_->facts() : std::vector<std::pair<std::string, std::string>>{};
     }
@@ -71,9 +82,21 @@ public:
     }
 
 private:
+    void start_film() {
+        film_.emplace(scene_.sensor().width(), scene_.sensor().height(), components_.accumulated, components_.black);
+        passes_ = 0;
+    }
+
+    const Scene& scene_;
     std::unique_ptr<RadiosityModel> model_;
     bool traces_;
-    RadiosityView view_;
+    RadiosityViewSettings view_;
+    std::uint64_t seed_;
+    StageTimes& stages_;
+    ShownComponents components_;
+    std::optional<Film> film_;
+    std::uint32_t passes_ = 0;  ///< samples of each pixel on the film
+    std::uint64_t rays_ = 0;
 };
 
 class Radiosity final : public Method {

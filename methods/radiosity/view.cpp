@@ -1,7 +1,6 @@
 #include "methods/radiosity/view.h"
 
 #include "methods/parts/gathering/final_gather.h"
-#include "methods/parts/transport/pixel_samples.h"
 
 namespace gib {
 
@@ -76,33 +75,11 @@ private:
 
 }  // namespace
 
-RadiosityView::RadiosityView(const Scene& scene, const Effects& effects, const RadiosityModel* model,
-                             const RadiosityViewSettings& settings, std::uint64_t seed, StageTimes& stages)
-    : scene_(scene),
-      model_(model),
-      settings_(settings),
-      seed_(seed),
-      stages_(stages),
-      components_(shown_components(scene, effects, find_method("radiosity"))) {
-    start_film();
-}
-
-void RadiosityView::start_film() {
-    film_.emplace(scene_.sensor().width(), scene_.sensor().height(), components_.accumulated, components_.black);
-    passes_ = 0;
-}
-
-void RadiosityView::sample(std::uint32_t pass, bool restart) {
-    if (restart) start_film();
-    ++passes_;
-    const WalkSettings walks{settings_.max_edges, settings_.samples_lights, false};
-    rays_ += sample_pixels(scene_, *film_, PointSet::sobol, seed_, pass, stages_, "view", [&] {
-        return [&](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-            EyeVisitor visitor(model_, settings_);
-            follow_specular_path(rays, sampler, eye, nullptr, walks, visitor);
-            return visitor.sample();
-        };
-    });
+PixelSample sample_radiosity(RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                             const RadiosityModel* model, const RadiosityViewSettings& settings) {
+    EyeVisitor visitor(model, settings);
+    follow_specular_path(rays, sampler, eye, nullptr, {settings.max_edges, settings.samples_lights, false}, visitor);
+    return visitor.sample();
 }
 
 }  // namespace gib

@@ -7,8 +7,8 @@
 // weights that sum to 1 (parts/vertices/technique_sums.h). Merging is the only way to make the light of point, spot and
 // directional lights that is focused by specular surfaces and seen through others, and by far the best for small lamps.
 // Elsewhere connections do as well without a bias, and nothing is merged.
-// Parameters: techniques = all (default) | path_tracing | light_tracing | bidirectional | photon_mapping | remainder;
-// sampler = sobol (default) | independent; alpha; first_pass; radius and volume_radius [of the first pass, fractions of the
+// Parameters: techniques = all (default) | photon_mapping | remainder;
+// sampler = sobol (default) | independent; alpha; radius and volume_radius [of the first pass, fractions of the
 // scene's diagonal, or auto, which is smaller on small bodies]; kernel; shared_paths as for bidirectional; spp and max_depth as for all methods.
 // photon_mapping is light sampling, paths that find lights, and merging at every vertex; remainder is the part of the image
 // that merging alone can make.
@@ -18,10 +18,11 @@
 // path from the camera and one from a light for every pixel.
 // Fails: never; non-finite samples are counted and dropped.
 #include "common/scene/scene.h"
-#include "methods/parts/density/progressive_parameters.h"
+#include "methods/parts/density/radius.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/joined_paths.h"
+#include "methods/vcm/merged_vertices.h"
 
 #include <fmt/format.h>
 
@@ -29,54 +30,51 @@ namespace gib {
 
 namespace {
 
-enum class Subset { all, path_tracing, light_tracing, bidirectional, photon_mapping, remainder };
-constexpr std::array<std::string_view, 6> subset_names = {"all",           "path_tracing",   "light_tracing",
-                                                          "bidirectional", "photon_mapping", "remainder"};
+enum class Subset { all, photon_mapping, remainder };
+constexpr std::array<std::string_view, 3> subset_names = {"all", "photon_mapping", "remainder"};
 
-Techniques techniques_of(Subset subset) {
-    const bool traces_paths = subset != Subset::light_tracing;
-    const bool from_both_ends = subset == Subset::all || subset == Subset::bidirectional || subset == Subset::remainder;
-    return {.hits = traces_paths,
-            .light_sampling = traces_paths,
-            .connections = from_both_ends,
-            .camera = from_both_ends || subset == Subset::light_tracing,
-            .merges = subset == Subset::all              ? Merges::behind_focus
-                      : subset == Subset::photon_mapping ? Merges::everywhere
-                      : subset == Subset::remainder      ? Merges::alone
-                                                         : Merges::none};
+Merges merges_of(Subset subset) {
+    return subset == Subset::all              ? Merges::behind_focus
+           : subset == Subset::photon_mapping ? Merges::everywhere
+                                              : Merges::alone;
 }
 
 class VertexConnectionAndMerging final : public Method {
 public:
-    VertexConnectionAndMerging(Subset subset, const JoinedPathsSettings& settings)
-        : subset_(subset), settings_(settings) {}
+    VertexConnectionAndMerging(Subset subset, const PathRules& rules, const MergingSettings& merging)
+        : subset_(subset), rules_(rules), merging_(merging) {}
 
     Plan plan(const Scene& scene) const override {
         Plan plan = described_plan(scene, find_method("vcm"));
-        if (!merges()) leave_out(plan, components_of_delta_paths(scene, plan.called_for));
-        if (subset_ == Subset::path_tracing) leave_out_of_camera_paths(plan, scene);
-        else if (subset_ != Subset::photon_mapping)
-            leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
-        if (subset_ == Subset::remainder || (subset_ == Subset::light_tracing && has_delta_lobe(scene)))
-            plan.unresolved = find_method("vcm").components;
-        add_joined_paths(plan, scene, settings_);
-        add_importons(plan, settings_.guiding, why_no_importons(plan));
+        if (subset_ != Subset::photon_mapping) leave_out(plan, components_of_mirrored_pencils(scene, plan.called_for));
+        if (subset_ == Subset::remainder) plan.unresolved = find_method("vcm").components;
+        add_joined_paths(plan, scene, rules_);
         plan.add(std::string(step_merging), why_not_merged(scene, plan));
         return plan;
     }
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
-        const Plan planned = plan(scene);
-        return start_joined_paths(scene, settings_, planned,
-                                  shown_components(scene, planned.called_for, find_method("vcm")), seed, stages);
+        Plan planned = plan(scene);
+        const ShownComponents shown = shown_components(scene, planned.called_for, find_method("vcm"));
+        if (!planned.runs(step_merging)) {
+            // Without merging the remainder is black.
+            for (Plan::Step& step : planned.steps)
+                if (step.name == step_eye_paths && subset_ == Subset::remainder) step.runs = false;
+            return start_joined_paths(scene, rules_, false, planned, shown, seed, stages);
+        }
+        const bool is_specular =
+            planned.called_for.has(Effect::specular_reflection) || planned.called_for.has(Effect::refraction);
+        return std::make_unique<JoinedPathsRun<MergedVertices>>(
+            scene, rules_, false, planned, shown, seed, stages, [&](const LightPaths& paths) {
+                PathRules rules = rules_;
+                rules.light_sampling &= planned.runs(step_light_sampling);
+                return MergedVertices(scene, paths, rules, merging_, is_specular, seed);
+            });
     }
 
 private:
-    bool merges() const { return settings_.used.merges != Merges::none; }
-
     std::string why_not_merged(const Scene& scene, const Plan& plan) const {
-        if (!merges()) return "techniques leave merging out";
-        if (settings_.max_edges < 2) return "a path over a surface has two edges, more than max_depth allows";
+        if (rules_.max_edges < 2) return "a path over a surface has two edges, more than max_depth allows";
         if (!scene.has_light()) return "nothing emits light";
         if (subset_ != Subset::photon_mapping && !plan.called_for.has(Effect::caustics))
             return "no light reaches a diffuse surface by way of a specular one";
@@ -86,29 +84,26 @@ private:
     }
 
     Subset subset_;
-    JoinedPathsSettings settings_;
+    PathRules rules_;
+    MergingSettings merging_;
 };
 
 std::unique_ptr<Method> create_vcm(const ParameterValues& values, const MethodDefaults& defaults) {
     const auto subset = chosen<Subset>(subset_names, values.choice("techniques"));
-    if (techniques_of(subset).merges == Merges::none)
-        values.refuse({"alpha", "first_pass", "radius", "volume_radius", "kernel"},
-                      "techniques=" + values.choice("techniques"));
-    if (!connects_paths(techniques_of(subset)))
+    if (subset != Subset::all)
         values.refuse({std::string(shared_paths_name)}, "techniques=" + values.choice("techniques"));
     return std::make_unique<VertexConnectionAndMerging>(
         subset,
-        JoinedPathsSettings{
-            .points = point_set_of(values),
-            .max_edges = max_edges_of(values, defaults),
-            .used = techniques_of(subset),
-            .merging = MergingSettings{.alpha = values.number("alpha"),
-                                       .kernel = chosen<Kernel>(kernel_names, values.choice("kernel")),
-                                       .radius = first_radius_of(values, "radius"),
-                                       .radius_in_media = first_radius_of(values, "volume_radius"),
-                                       .first_pass = static_cast<std::uint64_t>(values.integer(first_pass_name))},
-            .guiding = guiding_of(values),
-            .shared_paths = shared_paths_of(values)});
+        PathRules{.max_edges = max_edges_of(values, defaults),
+                  .points = point_set_of(values),
+                  .connects = subset != Subset::photon_mapping,
+                  .shared_paths = subset == Subset::all ? shared_paths_of(values) : 1},
+        MergingSettings{.merges = merges_of(subset),
+                        .alpha = values.number("alpha"),
+                        .kernel = chosen<Kernel>(kernel_names, values.choice("kernel")),
+                        .radius = first_radius_of(values, "radius"),
+                        .radius_in_media = first_radius_of(values, "volume_radius"),
+                        .first_pass = defaults.first_pass});
 }
 
 }  // namespace
@@ -121,11 +116,10 @@ MethodDescription describe_vcm() {
         .parameters = {choice_parameter(
                            "techniques", strings(subset_names),
                            "the ways in which paths are made; remainder: the part that merging alone makes"),
-                       point_set_parameter(), alpha_parameter(), first_pass_parameter(),
-                       first_radius_parameter("radius", "on surfaces", most),
+                       point_set_parameter(), alpha_parameter(), first_radius_parameter("radius", "on surfaces", most),
                        first_radius_parameter("volume_radius", "in media", most),
                        choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance"),
-                       shared_paths_parameter(), guide_parameter()},
+                       shared_paths_parameter()},
         .simulates = Effects::all(),
         .components = {all_components.begin(), all_components.end()},
         .unbiased = false,

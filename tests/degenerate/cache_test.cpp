@@ -176,21 +176,18 @@ TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
     };
     for (const Seen& seen :
          {Seen{"corner", furnace_cube(Place{}.view({0, 0, 0}, {-1, -1, -1}), ""), 0.25},
-          Seen{"needles", furnace_cube(Place{}.view({0, 0, 1e-5}, {0, 0, 0}), needles(folder)), 0.5}})
-        for (const char* spacing :
-             {"", " min_spacing=0", " min_spacing=0 max_spacing=0.01", " spacing=diagonals min_spacing=0"}) {
-            const LoadedScene scene = scene_of(seen.scene);
-            Moments mean;
-            for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-                const ComponentImages image =
-                    render(scene, "photon_mapper gather=256 source=paths cache=on" + std::string(spacing), 1, seed);
-                for (const float x : image.total().rgb)
-                    ASSERT_TRUE(std::isfinite(x) && x >= 0.f);
-                mean.add(mean_of(*image[Component::indirect]).mean());
-            }
-            EXPECT_NEAR(mean.mean(), seen.indirect, 5.4 * mean.standard_error()) << seen.name << spacing;
-            EXPECT_LT(mean.standard_error(), 0.05 * seen.indirect) << "the test would not see an error";
+          Seen{"needles", furnace_cube(Place{}.view({0, 0, 1e-5}, {0, 0, 0}), needles(folder)), 0.5}}) {
+        const LoadedScene scene = scene_of(seen.scene);
+        Moments mean;
+        for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+            const ComponentImages image = render(scene, "photon_mapper gather=256 source=paths cache=on", 1, seed);
+            for (const float x : image.total().rgb)
+                ASSERT_TRUE(std::isfinite(x) && x >= 0.f);
+            mean.add(mean_of(*image[Component::indirect]).mean());
         }
+        EXPECT_NEAR(mean.mean(), seen.indirect, 5.4 * mean.standard_error()) << seen.name;
+        EXPECT_LT(mean.standard_error(), 0.05 * seen.indirect) << "the test would not see an error";
+    }
 }
 
 }  // namespace

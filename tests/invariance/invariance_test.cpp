@@ -141,7 +141,7 @@ const std::vector<ComparedMethod>& compared_methods() {
         add("photons", nearest, Needs::same_photons);
         add("gather_all", radii + " gather=2 source=photons", Needs::nothing, 2);
         add("gather", nearest + " gather=4", Needs::same_photons);
-        add("shadows", radii + " shadow_photons=500 shadows=guide", Needs::nothing);
+        add("shadows", radii + " shadow_photons=500", Needs::nothing);
         return all;
     }();
     return methods;

@@ -172,7 +172,7 @@ TEST(SceneLibrary, TheFloorUnderManyLampsSeesThemThroughTheirCoffers) {
                 if (const auto lamp = lamp_through_coffer(p, i - 5.5, j - 5.5))
                     E += lambert_irradiance(p, Vec3d::UnitY(), *lamp) * ((i + j) % 2 == 0 ? 68 : 65);
         const LoadedScene scene = scene_seen_at("many-lights", p + Vec3d(0, 0.2, -0.2), p);
-        const char* const label = "photon_mapper photons=0 max_depth=2 shadow_photons=2e4 shadows=guide";
+        const char* const label = "photon_mapper photons=0 max_depth=2 shadow_photons=2e4";
         expect_radiance(radiance_at(scene, Component::direct, label, 512), 0.58 / pi * E);
     }
 }

@@ -149,18 +149,18 @@ class CheckerTest(unittest.TestCase):
         return Names(self.checker(text, "experiments/README.md"))
 
     def test_labels(self):
-        good = "`photon_mapper photons=1e4 gather=8 cache=on` `cache=on` `spacing=diagonals` `gather=N` `-x=1` `x <= 3`\n" \
+        good = "`photon_mapper photons=1e4 gather=8 cache=on` `cache=on` `source=paths` `gather=N` `-x=1` `x <= 3`\n" \
                "`--set rho=0.9` `--vary \"radius=0.1..0.2\"` `srun -e x=2` `vcm` with `radius=0.01`\n\n" \
                "| `path spp=4` | the same, spp=8 | vcm radius=0.1, k = 5 | x=\"y\" |\n"
         self.expect(self.names(good, "# vcm radius=0.01: `radius=0.02`, with radius=0.03.\n").refused_labels())
         names = self.names("`photon_mapper cache=on` `adapt=off` `cache=on gather=0` `kernel=cone,flat` `glass spp=4`\n"
                            "`path` with `gather=8` `--method none` `photon_mapper gather=N adapt=N`\n\n"
-                           "| `spacing=metres` | path spp=8 k=5 | the same, sampler=none |\n",
+                           "| `source=metres` | path spp=8 k=5 | the same, sampler=none |\n",
                            "# x\n# cache=on\n# vcm\n# spp=none\n\n# path with guide=on\n")
         self.expect(names.refused_labels(), "README.md:1: photon_mapper cache=on: parameter 'cache' has no effect",
                     "adapt=off: no method", "cache=on gather=0: parameter 'cache'", "kernel=cone,flat: parameter",
                     "glass spp=4: unknown method", "2: gather=8: path has no", "2: none: there is no such method",
-                    "gather=N adapt=N: photon_mapper has no parameter adapt", "4: spacing=metres: parameter",
+                    "gather=N adapt=N: photon_mapper has no parameter adapt", "4: source=metres: parameter",
                     "4: spp=8 k=5: path has no parameter k", "4: sampler=none: parameter 'sampler'",
                     "mine.toml:2: cache=on: no method", "mine.toml:4: spp=none: parameter 'spp'",
                     "mine.toml:6: guide=on: path has no")

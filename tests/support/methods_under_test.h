@@ -92,11 +92,10 @@ inline std::vector<MethodUnderTest> look_up_variants(Work work) {
     const std::string map = "photon_mapper " + photons;
     return {
         method_under_test("photons_all", map + " k=all radius=0.05 caustic_radius=0.02 kernel=cone"),
-        method_under_test("compensation", map + " k=30 compensation=on"),
         method_under_test("gather", map + " gather=" + rays),
         method_under_test("gather_paths", map + " gather=" + rays + " source=paths"),
         method_under_test("cache", map + " gather=" + rays_of_records + " cache=on"),
-        method_under_test("shadows", map + " shadow_" + photons + " shadows=guide"),
+        method_under_test("shadows", map + " shadow_" + photons),
         method_under_test("ray", map + " volume=ray"),
         method_under_test("beams", map + " volume=beams volume_" + photons),
     };

@@ -1,7 +1,5 @@
 #include "methods/parts/density/density_estimate.h"
 
-#include "methods/parts/density/bias_compensation.h"
-#include "methods/parts/density/place_rounding.h"
 #include "methods/parts/density/surface_disc.h"
 
 #include <algorithm>
@@ -121,8 +119,6 @@ public:
         if (e_.area != DiscArea::surface || flat_) return 1.f;
         return disc_.share(e_.kernel, r) * disc_.covered(rays_, e_.kernel, r);
     }
-    /// The area of the part of a disc of radius r that no obstacle hides, over pi.
-    double free_area(float r) const { return double{disc_.share(Kernel::uniform, r)} * double{r} * double{r}; }
     /// The largest radius that the rounding of positions does not resolve, but at most the estimator's.
     float unresolved_radius() const { return std::min(place_rounding(rays_.scene(), hit_.p), e_.max_radius); }
     bool near_obstacle() const { return near_obstacle_; }
@@ -233,7 +229,6 @@ public:
             --inside;
         }
         const float unresolved = search_.unresolved_radius();
-        if (e_.compensation) compensate(neighbours, inside, r, unresolved);
         if (inside < neighbours.size() && r <= unresolved) return from_all_within(unresolved);
         if (inside == 0 || !(r > 0.f)) return {.radius = r};
         return radiance(r, 0.f, [&](const auto& add) {
@@ -283,53 +278,12 @@ private:
         L.bias_through_media = bias_of_difference * (L.through_media - narrow.through_media);
     }
 
-    /// Reduces `inside` and `r` to the largest disc whose estimate agrees with those of all smaller discs
-    /// (bias_compensation.h). No disc has a radius below `least` [scene units].
-    void compensate(std::vector<Neighbour>& neighbours, std::size_t& inside, float& r, float least) const {
-        if (inside <= smallest_disc) return;
-        std::sort(neighbours.begin(), neighbours.end());
-        std::array<NestedDisc, most_discs> discs;
-        std::array<float, most_discs> radii;
-        std::size_t n = 0;
-        NestedDisc disc{};
-        const auto add_disc = [&](std::size_t photons, float rim) {
-            for (; disc.photons < photons; ++disc.photons) {
-                const double weight = (f_phi_.common() * f_phi_(search_.map()[neighbours[disc.photons].index])).sum();
-                disc.weight += weight;
-                disc.squared_weight += weight * weight;
-            }
-            radii[n] = std::max(rim, least);
-            disc.area = search_.free_area(radii[n]);
-            discs[n++] = disc;
-        };
-        // The rim of a disc of n photons passes through the next photon, as that of the whole disc does.
-        for (std::size_t photons = smallest_disc; photons < inside; photons = next_disc(photons))
-            add_disc(photons, std::sqrt(neighbours[photons].distance2));
-        add_disc(inside, r);
-        const std::size_t chosen = largest_agreeing_disc(std::span(discs).first(n));
-        inside = discs[chosen].photons;
-        r = radii[chosen];
-    }
-
     const DensityEstimator& e_;
     PhotonSearch& search_;
     const ReflectedPower& f_phi_;
 };
 
 }  // namespace
-
-Vec3 lifted_above_horizon(const Vec3& wo_local, Vec3 wi_local) {
-    constexpr float horizon = 1e-4f;
-    if (wi_local.z() * wo_local.z() <= 0.f) wi_local.z() = std::copysign(horizon, wo_local.z());
-    return wi_local;
-}
-
-float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi) {
-    if (hit.ns == hit.ng) return 1.f;
-    const float towards = std::abs(wi.dot(hit.ns));
-    const float of_surface = std::max(std::abs(wi.dot(hit.ng)), 0.01f * towards);
-    return of_surface > 0.f ? towards / of_surface : 1.f;
-}
 
 Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
                                                const Vec3& wo, const EyePath& eye, const Sampler& sampler,

@@ -27,6 +27,7 @@
 //    at 45 degrees (tested).
 
 #include "common/sampling/sampler.h"
+#include "common/scene/scene.h"
 #include "methods/parts/density/kernel.h"
 #include "methods/parts/density/place_radius.h"
 #include "methods/parts/photons/photon_join.h"
@@ -47,11 +48,6 @@ inline constexpr std::array<std::string_view, 3> disc_area_names = {"surface", "
 
 /// The value of k that selects all photons within the maximum radius.
 inline constexpr std::size_t all_photons = std::numeric_limits<std::size_t>::max();
-
-/// The bias of an estimate from the radius r, which falls as r^2, is this multiple of its difference to the estimate from
-/// the same photons within r / sqrt(2), whose bias is half as large.
-inline constexpr float bias_of_difference = 2.f;
-inline constexpr float narrow_radius = std::numbers::sqrt2_v<float> / 2.f;  ///< the smaller radius, as a fraction of r
 
 /// Reflected radiance [W/(sr m^2)], kept apart by the photons' paths: between surfaces only, or scattered
 /// by a medium.
@@ -77,9 +73,6 @@ struct DensityEstimator {
     std::size_t k;
     float max_radius;  ///< [scene units]
     DiscArea area;
-    /// Whether the number of photons, at most k, is chosen by methods/parts/density/bias_compensation.h;
-    /// not with all_photons.
-    bool compensation = false;
     bool estimates_bias = false;  ///< only with all_photons
     /// Bounds the radius by place, as a share of `max_radius`, with all_photons only; its flat regions spare any look-up rays.
     PlaceRadius by_place = {};
@@ -91,13 +84,11 @@ struct DensityEstimator {
                                  LastLookUp* last = nullptr) const;
 };
 
-/// wi_local, moved to just above the horizon if it lies below it. A photon that passed the test of its normal arrived
-/// on wo's side of its own surface. On a curved surface its direction may still lie below the horizon of the
-/// look-up's point, and dropping such photons would darken every curved surface.
-Vec3 lifted_above_horizon(const Vec3& wo_local, Vec3 wi_local);
-
-/// |wi.ns| / |wi.ng|, at most 100. The density of photons measures irradiance on the geometric surface, which is in
-/// proportion to |wi.ng|; reflection at an interpolated normal is in proportion to |wi.ns|.
-float shading_normal_factor(const SurfaceHit& hit, const Vec3& wi);
+/// Bound of the rounding error of the position p in any direction [scene units]: p is a sum of numbers as large
+/// as the scene. (SurfacePoint::offset is smaller on planes along the axes, because it bounds only the error
+/// along the normal.)
+inline float place_rounding(const Scene& scene, const Vec3& p) {
+    return 4.f * unit_roundoff * (p.cwiseAbs().maxCoeff() + scene.diagonal());
+}
 
 }  // namespace gib

@@ -4,6 +4,7 @@
 // at two standard deviations), 2 (1 - s^2) (epanechnikov).
 
 #include <array>
+#include <numbers>
 #include <string_view>
 
 namespace gib {
@@ -21,5 +22,10 @@ double kernel_weight(Kernel kernel, float d2, float r);
 float kernel_mass(Kernel kernel, float s);
 /// Inverse of kernel_mass(): the distance, as a fraction of r, within which the share `u` lies.
 float kernel_radius(Kernel kernel, float u);
+
+/// The bias of an estimate from the radius r, which falls as r^2, is this multiple of its difference to the estimate from
+/// the same photons within r / sqrt(2), whose bias is half as large.
+inline constexpr float bias_of_difference = 2.f;
+inline constexpr float narrow_radius = std::numbers::sqrt2_v<float> / 2.f;  ///< the smaller radius, as a fraction of r
 
 }  // namespace gib

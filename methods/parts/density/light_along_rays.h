@@ -40,7 +40,7 @@
 //
 // Bias: that of the kernel alone, proportional to r^2 where fluence is smooth across the ray, and to r times the slope of
 // fluence within r of a wall. The variance of N paths falls as 1 / (N r^2) for points, also those of beams along the ray, and as
-// 1 / (N r) for other beams. The radii of discs and of ribbons are therefore two (shrinking_radius.h).
+// 1 / (N r) for other beams. The radii of discs and of ribbons are therefore two (radius.h).
 
 #include "common/media/medium.h"
 #include "common/shapes/near_ray_tree.h"

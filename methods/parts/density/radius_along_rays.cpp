@@ -41,18 +41,12 @@ std::vector<NearLights> near_eye_paths(const Scene& scene, const WalkSettings& s
                                        std::uint64_t seed, std::uint64_t& rays) {
     std::vector<NearLights> paths;
     RayQueries queries(scene);
-    const Sensor& sensor = scene.sensor();
-    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
-    const std::uint64_t key = combine_keys(seed, stretches_key);
-    for (std::size_t i = 0; i < stretch_paths; ++i) {
-        const std::size_t pixel = i * pixels / stretch_paths;
-        for_each_pixel(queries, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
-                       [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
-                           StretchVisitor visitor{light};
-                           follow_specular_path(queries, sampler, eye, scene.camera_medium(), settings, visitor);
-                           if (visitor.near.size() >= nearest_lights) paths.push_back(std::move(visitor.near));
-                       });
-    }
+    for_paths_over_image(queries, combine_keys(seed, stretches_key), 0, stretch_paths, stretch_paths,
+                         [&](const TracedRay& eye, const Sampler& sampler) {
+                             StretchVisitor visitor{light};
+                             follow_specular_path(queries, sampler, eye, scene.camera_medium(), settings, visitor);
+                             if (visitor.near.size() >= nearest_lights) paths.push_back(std::move(visitor.near));
+                         });
     rays += queries.count();
     return paths;
 }

@@ -18,6 +18,7 @@ constexpr float slack = IrradianceCache::most_slack;
 /// Number of records made in parallel. They do not serve each other, so some of them turn out to be unnecessary.
 constexpr std::size_t records_at_once = 32;
 constexpr std::size_t points_per_block = 256;
+constexpr float least_spacing = 1.5f, greatest_spacing = 40.f;  // of records [pixels]
 
 /// The ray through the pixel `dx` pixels beside the middle of the image.
 Ray middle_ray(const Sensor& sensor, int dx) {
@@ -26,27 +27,10 @@ Ray middle_ray(const Sensor& sensor, int dx) {
 
 }  // namespace
 
-std::vector<Parameter> cache_parameters() {
-    return {
-        tuned(number_parameter("accuracy", "0.15", "", 0.001, 1,
-                               "irradiance cache: the largest estimated relative error with which a record is used"),
-              {0.05, 0.6}),
-        choice_parameter("spacing", strings(spacing_unit_names), "the unit of min_spacing and max_spacing"),
-        number_parameter("min_spacing", "", "", 0, 1e6,
-                         "least distance between records; default: 1.5 pixels or 0.002 diagonals"),
-        number_parameter("max_spacing", "", "", 0, 1e6,
-                         "greatest distance between records; default: 40 pixels or 0.1 diagonals"),
-    };
-}
-
-CacheSettings cache_settings_of(const ParameterValues& values) {
-    CacheSettings s{.accuracy = static_cast<float>(values.number("accuracy")),
-                    .unit = chosen<SpacingUnit>(spacing_unit_names, values.choice("spacing"))};
-    const bool in_pixels = s.unit == SpacingUnit::pixels;
-    s.least = values.given("min_spacing") ? values.number("min_spacing") : in_pixels ? 1.5 : 0.002;
-    s.greatest = values.given("max_spacing") ? values.number("max_spacing") : in_pixels ? 40 : 0.1;
-    if (s.least > s.greatest) throw InputError("min_spacing is larger than max_spacing");
-    return s;
+Parameter accuracy_parameter() {
+    return tuned(number_parameter("accuracy", "0.15", "", 0.001, 1,
+                                  "irradiance cache: the largest estimated relative error with which a record is used"),
+                 {0.05, 0.6});
 }
 
 /// Collects the points of eye paths, and those that the cache does not serve as candidates for records.
@@ -78,13 +62,12 @@ private:
     GridRow& row_;
 };
 
-CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings)
+CachedGather::CachedGather(const Scene& scene, const FinalGather& gather, float accuracy)
     : scene_(scene),
       gather_(gather),
-      settings_(settings),
       pixel_(middle_ray(scene.sensor(), 0)),
       next_pixel_(middle_ray(scene.sensor(), 1)),
-      cache_(scene.bounds(), settings.accuracy),
+      cache_(scene.bounds(), accuracy),
       missing_(pixel_blocks(scene.sensor())) {}
 
 float CachedGather::pixel_width_at(float distance) const {
@@ -92,8 +75,8 @@ float CachedGather::pixel_width_at(float distance) const {
 }
 
 RecordSpacing CachedGather::spacing_at(float distance) const {
-    const float unit = settings_.unit == SpacingUnit::pixels ? pixel_width_at(distance) : scene_.diagonal();
-    return {static_cast<float>(settings_.least) * unit, static_cast<float>(settings_.greatest) * unit};
+    const float width = pixel_width_at(distance);
+    return {least_spacing * width, greatest_spacing * width};
 }
 
 RecordPlace CachedGather::place_at(const EyeVertex& vertex, const SurfaceHit& hit, const CachedSurface& surface) const {

@@ -18,24 +18,13 @@ namespace gib {
 
 class StageProgress;
 
-enum class SpacingUnit { pixels, diagonals };
-inline constexpr std::array<std::string_view, 2> spacing_unit_names = {"pixels", "diagonals"};
-
-struct CacheSettings {
-    float accuracy;
-    SpacingUnit unit;
-    double least = 0, greatest = 0;  ///< spacing of records, in this unit
-};
-
-/// The parameters accuracy, spacing, min_spacing and max_spacing.
-std::vector<Parameter> cache_parameters();
-/// Their values. Throws InputError if the least spacing is larger than the greatest.
-CacheSettings cache_settings_of(const ParameterValues& values);
+/// The parameter accuracy.
+Parameter accuracy_parameter();
 
 class CachedGather {
 public:
     /// All arguments must outlive this.
-    CachedGather(const Scene& scene, const FinalGather& gather, const CacheSettings& settings);
+    CachedGather(const Scene& scene, const FinalGather& gather, float accuracy);
 
     /// Fills the cache by paths of the first pass: those of a grid of pixels, which becomes finer where neighbouring
     /// pixels may not be served yet. Returns the number of rays traced.
@@ -85,7 +74,6 @@ private:
 
     const Scene& scene_;
     const FinalGather& gather_;
-    CacheSettings settings_;
     Ray pixel_, next_pixel_;  ///< rays of two neighbouring pixels in the middle of the image
     IrradianceCache cache_;
 

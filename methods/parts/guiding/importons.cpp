@@ -17,8 +17,7 @@ constexpr float cells_across = 64;
 /// A class of directions for trace_path_in(), which chooses them as path tracing does.
 class ImportonDirections : public BsdfDirections {
 public:
-    ImportonDirections(bool gathers, RadianceField* field, ImportonPlaces& places)
-        : depth_(gathers ? 1 : 0), field_(field), places_(places) {}
+    ImportonDirections(RadianceField* field, ImportonPlaces& places) : field_(field), places_(places) {}
 
     void start(const Sampler& sampler) {
         blur_.emplace(sampler.split(0, 1, blur_tag));
@@ -44,12 +43,12 @@ public:
     }
 
 private:
-    bool ends() const { return !field_ && scattered_ > depth_; }
+    bool ends() const { return !field_ && scattered_ > 0; }
     void come(const PathWalk& walk, bool uses, bool focuses) {
         const double weight{luminance(walk.at.beta)};
         if (!std::isfinite(weight) || !(weight > 0)) return;
-        if (scattered_ == depth_ && uses) places_.used.push_back({p_, weight});
-        if (scattered_ <= depth_ || !field_) return;
+        if (scattered_ == 0 && uses) places_.used.push_back({p_, weight});
+        if (scattered_ == 0 || !field_) return;
         places_.needed.push_back({p_, weight});
         if (focuses) places_.specular.push_back({p_, weight});
         const RadianceField::Place place = field_->place(p_, normal_);
@@ -57,7 +56,6 @@ private:
         field_->record(place, walk.wo(), weight, blur_->at_vertex(walk.at.vertex));
     }
 
-    int depth_;
     RadianceField* field_;  ///< null: importons end where light is used
     ImportonPlaces& places_;
     std::optional<Sampler> blur_;
@@ -74,24 +72,18 @@ void ImportonPlaces::append(const ImportonPlaces& more) {
     rays += more.rays;
 }
 
-ImportonPlaces follow_importons(const Scene& scene, const LightUse& use, std::size_t count, std::uint64_t key,
+ImportonPlaces follow_importons(const Scene& scene, int max_edges, std::size_t count, std::uint64_t key,
                                 RadianceField* field) {
-    const Sensor& sensor = scene.sensor();
-    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
     constexpr std::size_t per_block = 1024;
     std::vector<ImportonPlaces> blocks((count + per_block - 1) / per_block);
     parallel_blocks(count, per_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         ImportonPlaces& places = blocks[block];
         RayQueries rays(scene);
-        ImportonDirections directions(use.gathers, field, places);
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t pixel = i * pixels / count;
-            for_each_pixel(rays, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
-                           [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
-                               directions.start(sampler);
-                               trace_path_in(directions, rays, eye, sampler, use.max_edges, false);
-                           });
-        }
+        ImportonDirections directions(field, places);
+        for_paths_over_image(rays, key, begin, end, count, [&](const TracedRay& eye, const Sampler& sampler) {
+            directions.start(sampler);
+            trace_path_in(directions, rays, eye, sampler, max_edges, false);
+        });
         places.rays = rays.count();
     });
     ImportonPlaces all;

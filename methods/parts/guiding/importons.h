@@ -2,7 +2,7 @@
 // Importons: walks from the camera that find where light is needed. Source: Peter and Pietrek 1998, "Importance Driven
 // Construction of Photon Maps".
 
-#include "methods/parts/guiding/radiance_field.h"
+#include "methods/guided_path/radiance_field.h"
 
 #include <array>
 #include <cstdint>
@@ -12,13 +12,6 @@
 namespace gib {
 
 class Scene;
-
-/// How a method uses light.
-struct LightUse {
-    int max_edges;     ///< of its paths
-    bool gathers;      ///< light is used at the second diffuse surface from the eye, not at the first
-    bool uses_direct;  ///< light that comes straight from a light is used too
-};
 
 struct ImportonVertex {
     Vec3 p;
@@ -38,7 +31,7 @@ struct ImportonPlaces {
 /// Follows `count` importons, spread evenly over the image, by path tracing. Each records in `field`, wherever it comes after
 /// it has met a place where light is used, the direction from which it has come, with its weight. Without a field it ends at
 /// the first such place.
-ImportonPlaces follow_importons(const Scene& scene, const LightUse& use, std::size_t count, std::uint64_t key,
+ImportonPlaces follow_importons(const Scene& scene, int max_edges, std::size_t count, std::uint64_t key,
                                 RadianceField* field);
 
 /// Cubes of space, whose size follows the extent of most of the places that they are made for.

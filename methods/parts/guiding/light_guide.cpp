@@ -70,7 +70,8 @@ LightGuide::LightGuide(const Scene& scene, const LightUse& use, std::uint64_t se
     : field_(scene.bounds(), 1, field_memory, fewest_visits) {
     ImportonPlaces last;
     for (std::size_t count = first_round; count <= last_round; count *= 2) {
-        last = follow_importons(scene, use, count, combine_keys(combine_keys(seed, importon_key), count), &field_);
+        last = follow_importons(scene, use.max_edges, count, combine_keys(combine_keys(seed, importon_key), count),
+                                &field_);
         field_.learn(crowd);
         rays_ += last.rays;
     }
@@ -82,15 +83,8 @@ LightGuide::LightGuide(const Scene& scene, const LightUse& use, std::uint64_t se
     caustic_emission_ = emission_towards(scene, last.specular, most, specular);
 }
 
-std::optional<RadianceField::Distribution> LightGuide::at_surface(const SurfaceHit& hit, const Vec3& wo,
-                                                                  const Vec3& wo_local) const {
-    if (!has_guidable_lobe(hit, wo_local, Transport::power)) return std::nullopt;
-    const auto known = field_.at(field_.place(hit.p, normal_towards(hit, wo)));
-    return known.selection() > 0.f ? std::optional(known) : std::nullopt;
-}
-
-std::optional<RadianceField::Distribution> LightGuide::in_medium(const Vec3& p) const {
-    const auto known = field_.at(field_.place(p, Vec3::Zero()));
+std::optional<RadianceField::Distribution> LightGuide::known_at(const Vec3& p, const Vec3& normal) const {
+    const auto known = field_.at(field_.place(p, normal));
     return known.selection() > 0.f ? std::optional(known) : std::nullopt;
 }
 
@@ -106,20 +100,25 @@ bool LightGuide::survives(PathWalk& walk, float first_power, float most, float u
     return gib::survives(beta, std::min(beta.maxCoeff() / (wanted_power_ * first_power), most), u);
 }
 
-std::optional<ScatteredRay> LightGuide::scatter(const RadianceField::Distribution& known, PathWalk& walk,
-                                                const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,
-                                                float first_power, bool sees_lights) const {
-    const auto next = scatter_by_mixture(known, selection(walk, first_power), hit, wo_local, u, Transport::power);
+std::optional<ScatteredRay> LightGuide::scatter(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo,
+                                                const Vec3& wo_local, const VertexNumbers& u, float first_power,
+                                                bool sees_lights) const {
+    const auto known =
+        has_guidable_lobe(hit, wo_local, Transport::power) ? known_at(hit.p, normal_towards(hit, wo)) : std::nullopt;
+    if (!known) return scatter_plainly(walk, hit, wo_local, u, sees_lights);
+    const auto next = scatter_by_mixture(*known, selection(walk, first_power), hit, wo_local, u, Transport::power);
     if (!next) return std::nullopt;
     walk.take(*next, sees_lights);
     if (!survives(walk, first_power, most_survival(walk.at.vertex), u.roulette())) return std::nullopt;
     return *next;
 }
 
-std::optional<Vec3> LightGuide::scatter_in_medium(const RadianceField::Distribution& known, PathWalk& walk,
-                                                  const VertexNumbers& u, float first_power) const {
+std::optional<Vec3> LightGuide::scatter(PathWalk& walk, const Vec3& p, float before, const VertexNumbers& u,
+                                        float first_power) const {
+    const auto known = known_at(p, Vec3::Zero());
+    if (!known) return scatter_plainly(walk, before, u);
     const auto [wi, by_phase, pdf_w] =
-        scatter_by_mixture(known, selection(walk, first_power), walk.at.medium->phase(), walk.wo(), u);
+        scatter_by_mixture(*known, selection(walk, first_power), walk.at.medium->phase(), walk.wo(), u);
     walk.at.beta *= by_phase / pdf_w;
     walk.at.pdf_w = infinity;
     if (!survives(walk, first_power, most_survival(walk.at.vertex), u.roulette())) return std::nullopt;

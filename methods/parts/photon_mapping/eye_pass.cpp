@@ -74,7 +74,8 @@ public:
             sample_.light[Component::direct] += vertex.throughput() * direct_light(vertex, hit, u);
         if constexpr (light == EyeLight::straight) return;
         look_up(maps_.caustic, maps_.caustic_estimator, vertex, hit, Component::caustic, caustic_disc, block_.caustic);
-        if (maps_.final_gather) sample_.light[Component::indirect] += vertex.throughput() * gathered(vertex, hit);
+        if (const auto other = maps_.at_diffuse ? maps_.at_diffuse->indirect(vertex, hit, block_.pixel) : std::nullopt)
+            sample_.light[Component::indirect] += vertex.throughput() * *other;
         else
             look_up(maps_.global, maps_.global_estimator, vertex, hit, Component::indirect, global_disc, block_.global);
     }
@@ -94,22 +95,14 @@ private:
         sample_.bias[Component::volume] += vertex.throughput() * found.bias_through_media;
     }
 
-    /// Indirect light by final gathering, from the irradiance cache where it has records and else by rays.
-    Color gathered(const EyeVertex& vertex, const SurfaceHit& hit) {
-        const auto cached =
-            maps_.cache ? maps_.cache->reflected_radiance(vertex, hit, block_.pixel) : std::optional<Color>();
-        return cached ? *cached : maps_.final_gather->reflected_radiance(vertex, hit);
-    }
-
     /// Direct light at the diffuse lobes of `hit`, by light sampling; rough lobes also follow a sample of the bsdf.
     Color direct_light(const EyeVertex& vertex, const SurfaceHit& hit, const VertexNumbers& u) {
         RayQueries& rays = vertex.walk.rays;
+        if (const auto other = maps_.at_diffuse ? maps_.at_diffuse->direct(rays, hit, vertex.wo, u) : std::nullopt)
+            return *other;
         const Vec3 wo_local = hit.shading.to_local(vertex.wo);
-        const LobeTraits& lobes = hit.bsdf->traits_at(wo_local.z());
-        if (maps_.light_visibility && !lobes.rough && !hit.bsdf->traits().transmission)
-            return maps_.light_visibility->sample_direct_light(rays, hit, vertex.wo, u);
         // A rough lobe has a preferred direction, which light sampling would hit by chance only.
-        const bool follows = lobes.rough && !rays.scene().has_media();
+        const bool follows = hit.bsdf->traits_at(wo_local.z()).rough && !rays.scene().has_media();
         const auto techniques =
             follows ? LightTechniques::light_and_bsdf_sampling : LightTechniques::light_sampling_only;
         const Color sampled =

@@ -4,11 +4,23 @@
 // Source: Jensen 2001, section 9.4; media: chapter 10.
 
 #include "methods/parts/density/biased_film.h"
+#include "methods/parts/density/density_estimate.h"
 #include "methods/parts/density/light_along_rays.h"
-#include "methods/parts/gathering/cached_gather.h"
-#include "methods/parts/shadow_photons/light_visibility.h"
+#include "methods/parts/density/volume_estimate.h"
+#include "methods/parts/transport/specular_walk.h"
 
 namespace gib {
+
+/// Other estimates of the light at diffuse surfaces than by the global map and by plain light sampling: photon_mapper has some.
+class DiffuseLight {
+public:
+    virtual ~DiffuseLight() = default;
+    /// Indirect radiance that is reflected along the path [W/(sr m^2)]; empty: it comes from the global map.
+    virtual std::optional<Color> indirect(const EyeVertex& vertex, const SurfaceHit& hit, std::size_t pixel) = 0;
+    /// One sample of direct light that is reflected towards wo [W/(sr m^2)]; empty: it comes from plain light sampling.
+    virtual std::optional<Color> direct(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
+                                        const VertexNumbers& u) = 0;
+};
 
 /// The photon maps and the estimators that look them up. A map that is not made is empty.
 struct PhotonMaps {
@@ -16,9 +28,7 @@ struct PhotonMaps {
     DensityEstimator caustic_estimator, global_estimator;
     VolumeEstimator volume_estimator;
     std::optional<LightAlongRays> along_rays;  ///< all light in media; empty: it comes from `volume` and light sampling
-    const FinalGather* final_gather = nullptr;  ///< null: indirect light comes from the global map
-    CachedGather* cache = nullptr;              ///< null: every gather traces its rays
-    std::optional<LightVisibility> light_visibility;
+    DiffuseLight* at_diffuse = nullptr;        ///< null: the global map and plain light sampling serve everywhere
 };
 
 /// The present pixel of a block of pixels, and the last look-ups of the block.

@@ -102,20 +102,10 @@ void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings)
     add_aim(plan, step_global_aim, step_global, !scene.has_unbounded_medium(), settings.projection);
 }
 
-void add_guide(Plan& plan, const PhotonMapSettings& settings) {
-    const bool has_maps = plan.runs(step_caustic) || plan.runs(step_global) || plan.runs(step_volume);
-    add_importons(plan, settings.guiding, has_maps ? "" : "no map is run");
-}
-
 Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& settings, StageTimes& stages) {
     const auto timer = stages.time("projection map");
     return {build_aim(plan, step_caustic_aim, scene, TargetSurfaces::specular, settings.caustic_photons),
             build_aim(plan, step_global_aim, scene, TargetSurfaces::all, settings.photons)};
-}
-
-void PhotonTracing::find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed) {
-    guide_ =
-        gib::find_guide(scene_, settings.guiding, {settings.max_edges, gathers, gathers}, plan, seed, stages_, rays_);
 }
 
 PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,
@@ -123,7 +113,8 @@ PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, c
     constexpr std::string_view stage = "photon tracing";
     const auto timer = stages_.time(stage);
     StageProgress progress(stages_, stage, count);
-    PhotonWalkResult walk = trace_photons(scene_, kind, count, max_edges_, seed, aim, &progress, nullptr, guide_.get());
+    PhotonWalkResult walk =
+        trace_photons(scene_, kind, count, max_edges_, seed, aim, &progress, nullptr, policy_.get());
     rays_ += walk.rays;
     photons_ += walk.emitted;
     return walk;
@@ -162,6 +153,24 @@ double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const
                                    .paths = static_cast<double>(settings.volume_photons),
                                    .shrinks = shrinks},
                                   seed, rays_);
+}
+
+void store(StoredLight& light, std::string_view name, const PhotonMap& map, std::uint64_t emitted) {
+    if (map.size() == 0) return;
+    StoredPhotons stored{.map = name, .unit = map.unit(), .photons = {}, .emitted = emitted};
+    stored.photons.reserve(map.size());
+    for (std::size_t i = 0; i < map.size(); ++i)
+        stored.photons.push_back(map[i]);
+    light.photons.push_back(std::move(stored));
+}
+
+void store(StoredLight& light, const PhotonWalkResult& walk) {
+    if (!walk.photons.empty())
+        light.photons.push_back({.map = "volume", .unit = walk.unit, .photons = walk.photons, .emitted = walk.emitted});
+    if (walk.beams.empty()) return;
+    light.beams.emitted = walk.emitted;
+    for (const PhotonBeam& beam : walk.beams)
+        light.beams.beams.push_back({beam.p, beam.end(), static_cast<float>(walk.unit) * beam.power()});
 }
 
 }  // namespace gib

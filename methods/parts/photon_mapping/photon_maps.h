@@ -5,8 +5,9 @@
 #include "methods/method.h"
 #include "methods/parts/density/radius_along_rays.h"
 #include "methods/parts/emission/projection_map.h"
-#include "methods/parts/photons/find_guide.h"
+#include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/stored_light/stored_light.h"
 
 #include <memory>
 
@@ -27,7 +28,6 @@ struct PhotonMapSettings {
     DiscArea area;
     int max_edges;    ///< edges of the longest path
     bool projection;  ///< lights emit photons only where these can reach surfaces that matter
-    Guiding guiding = Guiding::automatic;
 };
 
 /// The parameters `area`, `volume` and `projection`.
@@ -54,9 +54,6 @@ void leave_out_pencils(Plan& plan, const Scene& scene, const PhotonMapSettings& 
 /// start of the run. Only then is it known whether it drops any emission; otherwise photons leave the lights in all directions.
 void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings);
 
-/// Adds the step of the importons that guide the photons of these maps.
-void add_guide(Plan& plan, const PhotonMapSettings& settings);
-
 /// The projection maps that aim the photons of each map; null where photons leave the lights in all directions.
 struct Aims {
     std::unique_ptr<ProjectionMap> caustic, global;
@@ -70,8 +67,8 @@ public:
     PhotonTracing(const Scene& scene, int max_edges, StageTimes& stages)
         : scene_(scene), max_edges_(max_edges), stages_(stages) {}
 
-    /// Has later photons follow importance, if the plan runs importons and it pays. `gathers` as of LightUse.
-    void find_guide(const Plan& plan, const PhotonMapSettings& settings, bool gathers, std::uint64_t seed);
+    /// Has later photons start and scatter by this policy; null: plainly.
+    void follow(std::shared_ptr<const LightPolicy> policy) { policy_ = std::move(policy); }
 
     /// Emits `count` photons for a map of this kind. `aim` may be null.
     PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed);
@@ -89,15 +86,20 @@ public:
 
     std::uint64_t photons() const { return photons_; }
     std::uint64_t rays() const { return rays_; }
-    bool is_guided() const { return guide_ != nullptr; }
+    bool has_policy() const { return policy_ != nullptr; }
 
 private:
     const Scene& scene_;
     int max_edges_;
     StageTimes& stages_;
-    std::shared_ptr<const LightGuide> guide_;
-    std::unique_ptr<FlatRegions> regions_;  ///< for look-ups along rays
+    std::shared_ptr<const LightPolicy> policy_;  ///< of photons, null: none
+    std::unique_ptr<FlatRegions> regions_;       ///< for look-ups along rays
     std::uint64_t photons_ = 0, rays_ = 0;
 };
+
+/// Adds the photons of a map, unless it is empty, to the light that a run stores; `emitted` were emitted for it.
+void store(StoredLight& light, std::string_view name, const PhotonMap& map, std::uint64_t emitted);
+/// The same for the photons of a walk in media, or its beams.
+void store(StoredLight& light, const PhotonWalkResult& walk);
 
 }  // namespace gib

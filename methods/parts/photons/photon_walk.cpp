@@ -3,10 +3,9 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "methods/method.h"
-#include "methods/parts/emission/projection_map.h"
-#include "methods/parts/guiding/light_guide.h"
+#include "methods/parts/emission/light_emission.h"
 #include "methods/parts/photons/blocks_within_memory.h"
-#include "methods/parts/transport/path_walk.h"
+#include "methods/parts/transport/light_policy.h"
 
 #include <algorithm>
 #include <array>
@@ -33,9 +32,9 @@ const char* name_of(PhotonMapKind kind) {
                                                                           : "volume_photons";
 }
 
-/// The guide of photons, null without one, and the mean power with which they start, in the result's unit.
-struct PhotonGuide {
-    const LightGuide* guide;
+/// How photons scatter, null: plainly, and the mean power with which they start, in the result's unit.
+struct PhotonPolicy {
+    const LightPolicy* scattering;
     float first_power;
 };
 
@@ -43,13 +42,13 @@ struct PhotonGuide {
 class PhotonPath {
 public:
     /// Starts along `first`, which has been traced.
-    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const PhotonGuide& guide, const Sampler& sampler,
+    PhotonPath(RayQueries& rays, PhotonMapKind kind, int max_edges, const PhotonPolicy& policy, const Sampler& sampler,
                const TracedRay& first, PhotonWalkResult& result)
         : walk_(rays, sampler, first, rays.scene().has_media() ? rays.medium_at(first.ray.o) : nullptr),
           at_(walk_.at),
           kind_(kind),
           max_edges_(max_edges),
-          guide_(guide),
+          policy_(policy),
           result_(result) {}
 
     /// Follows the photon, which the light has emitted with this power, in the result's unit.
@@ -111,7 +110,7 @@ private:
     }
 
     /// A scattering event at p in a medium. `before` is the largest channel of the power at the start of the free
-    /// flight; the roulette compensates for the weight of the flight. Returns false if the photon ends here.
+    /// flight. Returns false if the photon ends here.
     /// Source: Jensen and Christensen 1998; Jensen 2001, chapter 10.
     bool scatter_in_medium(const Vec3& p, float before) {
         const Vec3 wo = walk_.wo();
@@ -122,27 +121,18 @@ private:
             const Color fluence = (sigma_s > 0.f).select(at_.beta / sigma_s, Color::Zero());
             result_.photons.emplace_back(p, fluence, wo, wo, at_.vertex + 1, true, at_.stratum);
         }
-        const VertexNumbers& u = walk_.vertex_numbers;
-        if (const auto known = guide_.guide ? guide_.guide->in_medium(p) : std::nullopt) {
-            if (!allows_edge(at_.vertex + 2)) return false;
-            const auto wi = guide_.guide->scatter_in_medium(*known, walk_, u, guide_.first_power);
-            if (!wi) return false;
-            at_.path_class.in_medium = true;
-            walk_.go_on(p, *wi);
-            return true;
-        }
-        const float survival = std::min(at_.beta.maxCoeff() / before, most_survival(at_.vertex));
-        if (!survives(at_.beta, survival, u.roulette())) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
+        const auto wi = scatter_light(policy_.scattering, walk_, p, before, walk_.vertex_numbers, policy_.first_power);
+        if (!wi) return false;
         at_.path_class.in_medium = true;
-        walk_.go_on(p, walk_.scatter_in_medium(u, false));
+        walk_.go_on(p, *wi);
         return true;
     }
 
     /// Scattering at a surface. Returns false if the photon ends here.
     bool scatter(const SurfaceHit& hit, const Vec3& wo, const Vec3& wo_local) {
-        const auto next =
-            scatter_light(guide_.guide, walk_, hit, wo, wo_local, walk_.vertex_numbers, guide_.first_power, false);
+        const auto next = scatter_light(policy_.scattering, walk_, hit, wo, wo_local, walk_.vertex_numbers,
+                                        policy_.first_power, false);
         if (!next) return false;
         if (kind_ == PhotonMapKind::caustic && next->lobe == LobeKind::diffuse) return false;
         if (!allows_edge(at_.vertex + 2)) return false;
@@ -154,7 +144,7 @@ private:
     PathState& at_;  ///< state of walk_; beta is the power in the result's unit
     PhotonMapKind kind_;
     int max_edges_;
-    const PhotonGuide& guide_;
+    const PhotonPolicy& policy_;
     PhotonWalkResult& result_;
 };
 
@@ -173,10 +163,10 @@ void emit(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t en
     }
 }
 
-/// The same for starts that a guide aims.
+/// The same for starts that a policy aims.
 template <typename Visit>
-void emit_guided(RayQueries& rays, const LightEmission& emission, std::uint64_t key, std::size_t begin, std::size_t end,
-                 const Visit& visit) {
+void emit_by_policy(RayQueries& rays, const LightEmission& emission, std::uint64_t key, std::size_t begin,
+                    std::size_t end, const Visit& visit) {
     for (std::size_t i = begin; i < end; ++i) {
         const Sampler sampler(PointSet::independent, key, i, 0);
         const auto start = emission.sample(sampler);
@@ -221,7 +211,7 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log,
-                               const LightGuide* guide) {
+                               const LightPolicy* policy) {
     PhotonWalkResult result;
     result.emitted = count;
     if (count == 0 || !scene.has_light() || (aim && aim->empty())) return result;
@@ -232,10 +222,10 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
     result.unit = photon_power_unit(scene.emitted_power(), count);
     const double share = 1 / (static_cast<double>(count) * result.unit);
 
-    // Caustic photons follow the guide at their start alone.
+    // Caustic photons follow the policy at their start alone.
     const bool caustic = kind == PhotonMapKind::caustic;
-    const PhotonGuide guiding{caustic ? nullptr : guide, static_cast<float>(share * scene.emitted_power().maxCoeff())};
-    const LightEmission* guided_emission = !guide ? nullptr : caustic ? guide->caustic_emission() : guide->emission();
+    const PhotonPolicy by{caustic ? nullptr : policy, static_cast<float>(share * scene.emitted_power().maxCoeff())};
+    const LightEmission* emission = policy ? policy->start(caustic) : nullptr;
     const std::uint64_t per_block =
         std::clamp(count / walk_blocks, fewest_per_block, aim ? most_aimed_per_block : most_per_block);
     const auto trace_block = [&](PhotonWalkResult& block, std::size_t begin, std::size_t end) {
@@ -245,9 +235,9 @@ PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint
             // Such a photon comes from a dark texel or from a very much fainter lamp. It would count as a neighbour in
             // a density estimate without adding power.
             if (power.maxCoeff() < PhotonPayload::least_power) return;
-            PhotonPath(rays, kind, longest, guiding, sampler, first, block).trace(scene.lights()[start.light], power);
+            PhotonPath(rays, kind, longest, by, sampler, first, block).trace(scene.lights()[start.light], power);
         };
-        if (guided_emission) emit_guided(rays, *guided_emission, key, begin, end, trace);
+        if (emission) emit_by_policy(rays, *emission, key, begin, end, trace);
         else if (aim) emit_aimed(rays, *aim, key, begin, end, trace);
         else emit(rays, key, begin, end, trace);
         block.rays = rays.count();

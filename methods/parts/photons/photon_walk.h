@@ -13,7 +13,7 @@
 
 namespace gib {
 
-class LightGuide;
+class LightPolicy;
 class ProjectionMap;
 struct RayLog;
 class Scene;
@@ -43,7 +43,7 @@ struct PhotonWalkResult {
 ///
 /// A photon is stored only if its path and one edge to the eye have at most `max_edges` edges. `aim` is null or a
 /// projection map whose targets include the surfaces that photons of this kind meet first; nothing is
-/// traced if it is empty. If `guide` is not null, photons follow it, and `aim` only where it does not aim them itself. If `log` is not null, the rays are recorded there, which needs with_threads(1, ...).
+/// traced if it is empty. If `policy` is not null, photons start and scatter by it, and follow `aim` only where it has no starts of its own. If `log` is not null, the rays are recorded there, which needs with_threads(1, ...).
 ///
 /// Photons are independent random numbers, not a low-discrepancy set: the density estimate (k - 1) / (pi r_k^2) is
 /// unbiased for a Poisson process, but off by up to 1 / (2 k) for points that keep apart.
@@ -55,6 +55,6 @@ struct PhotonWalkResult {
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
                                std::uint64_t seed, const ProjectionMap* aim = nullptr,
                                StageProgress* progress = nullptr, RayLog* log = nullptr,
-                               const LightGuide* guide = nullptr);
+                               const LightPolicy* policy = nullptr);
 
 }  // namespace gib

@@ -1,7 +1,6 @@
 #include "methods/parts/shadow_photons/light_visibility.h"
 
 #include "common/core/parallel.h"
-#include "methods/parts/density/surface_disc.h"
 #include "methods/parts/transport/direct_light.h"
 
 #include <algorithm>
@@ -34,16 +33,9 @@ const LightEvidence* evidence_in(const VisibilityRegion* region, std::uint32_t l
     return found != region->lights.end() && found->light == light ? &*found : nullptr;
 }
 
-LightVerdict verdict_in(const VisibilityRegion* region, std::uint32_t light) {
-    const LightEvidence* const evidence = evidence_in(region, light);
-    return evidence ? evidence->verdict : LightVerdict::open;
-}
-
 }  // namespace
 
-LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons,
-                                 const ShadowPhotonSettings& settings)
-    : scene_(scene), skips_(settings.use == Shadows::skip) {
+LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons) : scene_(scene) {
     std::unordered_map<std::uint64_t, std::vector<ShadowPhoton>> by_surface;
     for (const ShadowPhoton& photon : photons)
         by_surface[photon.surface].push_back(photon);
@@ -60,14 +52,14 @@ LightVisibility::LightVisibility(const Scene& scene, const std::vector<ShadowPho
         surfaces.push_back({std::move(of_small[side]), never_agreeing, small_surfaces_[side]});
     for (auto& surface : by_surface)
         if (!is_small(surface))
-            surfaces.push_back({std::move(surface.second), settings.agreeing, surfaces_[surface.first]});
+            surfaces.push_back({std::move(surface.second), agreeing_photons, surfaces_[surface.first]});
     parallel_blocks(surfaces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
         Surface& surface = surfaces[i];
         double power_per_photon = 0;
         for (const ShadowPhoton& photon : surface.photons)
             power_per_photon += static_cast<double>(photon.power) / static_cast<double>(surface.photons.size());
         surface.root = build_visibility_regions(std::move(surface.photons), surface.agreeing);
-        if (surface.root && !skips_) prepare_choice(*surface.root, power_per_photon);
+        if (surface.root) prepare_choice(*surface.root, power_per_photon);
     });
 }
 
@@ -112,13 +104,9 @@ const VisibilityRegion* LightVisibility::region_at(const SurfaceHit& hit, const 
 
 float LightVisibility::probability_in(const VisibilityRegion* region, const LitPoint& at, std::uint32_t light) const {
     const float by_scene = scene_.light_tree().probability(at, light);
-    if (!region || skips_) return by_scene;
+    if (!region) return by_scene;
     const LightEvidence* const evidence = evidence_in(region, light);
     return region->rest * by_scene + (evidence ? (1.f - region->rest) * evidence->probability : 0.f);
-}
-
-LightVerdict LightVisibility::verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
-    return verdict_in(region_at(hit, wo), light);
 }
 
 float LightVisibility::probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const {
@@ -136,26 +124,22 @@ std::optional<LightVisibility::Choice> LightVisibility::choose(const SurfaceHit&
         // Rounding may lead past the last interval, to lights of probability 0.
         while (found->probability == 0.f)
             --found;
-        return Choice{found->light, probability_in(region, lit, found->light), found->verdict};
+        return Choice{found->light, probability_in(region, lit, found->light)};
     }
     const float v = std::min((u - by_region) / (1.f - by_region), 1.f - unit_roundoff);
     const auto choice = scene_.light_tree().choose(lit, v);
     if (!choice) return std::nullopt;
-    return Choice{choice->light, probability_in(region, lit, choice->light), verdict_in(region, choice->light)};
+    return Choice{choice->light, probability_in(region, lit, choice->light)};
 }
 
 Color LightVisibility::sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                            const VertexNumbers& u) const {
     const auto choice = choose(hit, wo, u.light_choice());
-    if (!choice || (skips_ && choice->verdict == LightVerdict::dark)) return Color::Zero();
+    if (!choice) return Color::Zero();
     auto light = sample_light(scene_.lights()[choice->light], scene_.shapes(), hit.p, u.light_position());
     if (!light) return Color::Zero();
     light->pdf_w *= choice->probability;
-    // An interpolated normal may let in light from behind the surface. The photons of this side say nothing about
-    // that light, so a ray tests it.
-    const bool is_lit = skips_ && choice->verdict == LightVerdict::lit && light->wi.dot(normal_towards(hit, wo)) > 0.f;
-    const auto visibility = is_lit ? ShadowRay::skipped : ShadowRay::traced;
-    return direct_light_of(rays, hit, hit.shading.to_local(wo), *light, visibility, Lobes::diffuse).diffuse;
+    return direct_light_of(rays, hit, hit.shading.to_local(wo), *light, Lobes::diffuse).diffuse;
 }
 
 }  // namespace gib

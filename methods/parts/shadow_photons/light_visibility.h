@@ -1,27 +1,14 @@
 #pragma once
-// The visibility map: shadow photons tell which lights are seen around a point, and
-// direct light is sampled accordingly.
-//
-// Verdicts. Take the largest region around a point in which the photons of a light agree (visibility_regions.h) and
-// are at least `agreeing` in number. The light is `lit` at the point if all of them came straight from it, and `dark`
-// if all of them are shadow photons. If there is no such region, the light is `open`, as near
-// the edges of its shadows.
+// The visibility map: shadow photons say which lights are seen around a point, and one of these is sampled.
 //
 // Choice of a light. It is mixed with the choice P_scene of the light tree, so that every light that shines has a chance:
 //     P(l) = (1 - rest) w_l / sum of w + rest P_scene(l),
-// where w_l is the irradiance that the light is expected to add in the region (LightEvidence::expected). `rest` is at
-// least 5 %. It is larger where lights have no photon on the surface: it is at least the share that these lights
+// where w_l is the irradiance that the light is expected to add in the region around the point (LightEvidence::expected). `rest`
+// is at least 5 %. It is larger where lights have no photon on the surface: it is at least the share that these lights
 // would have with half a photon each.
 //
-// Estimate. One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w and
-// the visibility V.
-//  - guide: a ray finds V. The estimate is unbiased whatever the photons say, as P(l) > 0
-//    for every light that shines.
-//  - skip: P(l) = P_scene(l), and V is taken as 1 for a lit light and as 0 for a dark one, which is biased. Let a region
-//    see the share v of a light, and let the n photons be independent. All of them say `lit` with probability v^n, and
-//    then (1 - v) E is reflected too much; all say `dark` with probability (1 - v)^n, and then v E is missing. Each of
-//    the two has a mean below E / (e n). More photons shrink the regions in which this happens towards the edges of
-//    shadows; a larger `agreeing` makes it rarer.
+// Estimate. One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w and the visibility
+// V, which a ray finds. It is unbiased whatever the photons say, as P(l) > 0 for every light that shines.
 //
 // Surfaces are told apart by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
 // than 8 photons for each light share one tree, in which all lights stay open.
@@ -36,21 +23,18 @@ namespace gib {
 
 class LightVisibility {
 public:
-    /// A light that was chosen, with the probability of the choice and the verdict about it.
+    /// A light that was chosen, with the probability of the choice.
     struct Choice {
         std::uint32_t light;
         float probability;
-        LightVerdict verdict;
     };
 
     /// `photons` must come from trace_shadow_photons(), sorted by light. The scene must outlive this.
-    LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons, const ShadowPhotonSettings& settings);
+    LightVisibility(const Scene& scene, const std::vector<ShadowPhoton>& photons);
 
-    /// The verdict about a light on the side of `hit` that faces wo.
-    LightVerdict verdict(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
     /// The probability with which choose() returns the light.
     float probability(const SurfaceHit& hit, const Vec3& wo, std::uint32_t light) const;
-    /// Chooses a light by u in [0, 1). The light may be dark. Empty if none of the lights can reach the point.
+    /// Chooses a light by u in [0, 1). Empty if none of the lights can reach the point.
     std::optional<Choice> choose(const SurfaceHit& hit, const Vec3& wo, float u) const;
 
     /// One sample of the radiance [W/(sr m^2)] that the diffuse lobes at `hit` scatter towards wo straight from a
@@ -64,7 +48,6 @@ private:
     float probability_in(const VisibilityRegion* region, const LitPoint& at, std::uint32_t light) const;
 
     const Scene& scene_;
-    bool skips_;  ///< Shadows::skip; else Shadows::guide
     std::unordered_map<std::uint64_t, std::unique_ptr<VisibilityRegion>> surfaces_;  ///< by SurfaceSide::key()
     std::array<std::unique_ptr<VisibilityRegion>, side_count> small_surfaces_;       ///< by side; null: no photon
 };

@@ -53,20 +53,14 @@ void cross_surfaces(RayQueries& rays, const Ray& start, ShadowPhoton photon, std
 
 }  // namespace
 
-std::vector<Parameter> shadow_photon_parameters() {
-    return {
-        count_parameter("shadow_photons", "0", "photons", "emitted to learn which lights each surface sees; 0: none"),
-        choice_parameter("shadows", strings(shadows_names),
-                         "use of shadow photons: choose lights without bias (guide), or leave out shadow rays where "
-                         "they agree (skip)"),
-        integer_parameter("shadow_k", "32", "photons", 1, 1e6,
-                          "number of a light's shadow photons that must agree before they are believed"),
-    };
+Parameter shadow_photons_parameter() {
+    return count_parameter("shadow_photons", "0", "photons",
+                           "emitted to choose among lights by what they add nearby; 0: lights are chosen without them");
 }
 
-void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings) {
+void add_shadow_map(Plan& plan, const Scene& scene, std::uint64_t photons) {
     std::string reason;
-    if (settings.photons == 0) reason = "no photons are asked for";
+    if (photons == 0) reason = "no photons are asked for";
     else if (!plan.runs(step_light_sampling)) reason = "lights are not sampled";
     else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
     plan.add(step_shadow_map, reason);

@@ -25,26 +25,13 @@ struct SurfaceHit;
 class StageProgress;
 struct Plan;
 
-/// The use of shadow photons.
-enum class Shadows {
-    guide,  ///< lights are chosen by the light they add near by; a shadow ray tests every choice
-    skip    ///< lights are chosen as without photons; no shadow ray is traced where all photons near by agree
-};
-inline constexpr std::array<std::string_view, 2> shadows_names = {"guide", "skip"};
-
-struct ShadowPhotonSettings {
-    std::uint64_t photons = 0;  ///< emitted
-    Shadows use = Shadows::guide;
-    std::uint32_t agreeing = 32;  ///< number of a light's photons that must agree before they are believed
-};
-
-/// The parameters shadow_photons, shadows and shadow_k.
-std::vector<Parameter> shadow_photon_parameters();
+/// The parameter shadow_photons.
+Parameter shadow_photons_parameter();
 
 inline constexpr std::string_view step_shadow_map = "shadow photon map";
 /// Adds the step of the shadow photon map. It is skipped where shadow photons are not asked for, where lights are not
 /// sampled, and where media dim light, as only a ray can tell by how much.
-void add_shadow_map(Plan& plan, const Scene& scene, const ShadowPhotonSettings& settings);
+void add_shadow_map(Plan& plan, const Scene& scene, std::uint64_t photons);
 
 struct ShadowPhoton {
     Vec3 p;

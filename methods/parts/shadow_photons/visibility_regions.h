@@ -51,6 +51,8 @@ struct VisibilityRegion {
     bool is_leaf() const { return !below; }
 };
 
+/// Number of a light's photons that must agree before they are believed.
+inline constexpr std::uint32_t agreeing_photons = 32;
 /// A value of `agreeing` that no region reaches, so that all lights stay open.
 inline constexpr std::uint32_t never_agreeing = ~0u;
 

@@ -2,8 +2,7 @@
 // Light that a run keeps in the scene and not in its image: photons, irradiance records, patches, a field that paths have
 // learned. It is for display only; no estimate reads it.
 
-#include "methods/parts/photons/photon_map.h"
-#include "methods/parts/photons/photon_walk.h"
+#include "methods/parts/photons/photon.h"
 
 #include <array>
 #include <cstdint>
@@ -54,10 +53,6 @@ struct StoredLight {
     bool is_of_one_pass = false;       ///< photons and beams are those of the last pass alone
 
     bool empty() const { return photons.empty() && beams.beams.empty() && records.empty() && patches.patches.empty(); }
-    /// Adds the photons of a map, unless it is empty; `emitted` were emitted for it.
-    void add(std::string_view name, const PhotonMap& map, std::uint64_t emitted);
-    /// Adds the photons of a walk in media, or its beams.
-    void add(const PhotonWalkResult& walk);
 };
 
 }  // namespace gib

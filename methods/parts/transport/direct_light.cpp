@@ -57,11 +57,9 @@ Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const
 }
 
 LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
-                           ShadowRay shadow_ray, Lobes which) {
+                           Lobes which) {
     return scattered_from(light, hit, wo_local, LightTechniques::light_sampling_only, which,
-                          [&](const LightSample& to) {
-                              return shadow_ray == ShadowRay::skipped ? Color(Color::Ones()) : rays.visibility(hit, to);
-                          });
+                          [&](const LightSample& to) { return rays.visibility(hit, to); });
 }
 
 LobeValues follow_to_light(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const VertexNumbers& u,

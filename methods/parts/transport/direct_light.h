@@ -32,15 +32,10 @@ LobeValues sample_direct_light(RayQueries& rays, const SurfaceHit& hit, const Ve
 Color sample_direct_light(RayQueries& rays, const Vec3& p, const Vec3& wo, const VertexNumbers& u,
                           const Surroundings& surroundings, LightTechniques techniques);
 
-enum class ShadowRay {
-    traced,
-    skipped  ///< the light is known to be visible
-};
-
 /// The radiance of sample_direct_light for a given light sample, by light sampling only. The caller has included the
 /// probability of choosing the light in `light.pdf_w`. For a scene without media.
 LobeValues direct_light_of(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo_local, const LightSample& light,
-                           ShadowRay shadow_ray, Lobes which = Lobes::all);
+                           Lobes which = Lobes::all);
 
 /// One sample of the same radiance, found by following a sample of the bsdf; its sum with sample_direct_light
 /// (light_and_bsdf_sampling) is an unbiased estimate. For methods whose paths do not go on in that direction.

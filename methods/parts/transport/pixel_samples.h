@@ -74,6 +74,20 @@ void for_each_pixel(RayQueries& rays, PointSet points, std::uint64_t seed, std::
     for_each_pixel_of(rays, points, seed, pass, end - begin, place_of, body);
 }
 
+/// Calls body(TracedRay, Sampler) for the paths [begin, end) of `count` that are spread evenly over the image, with independent
+/// random numbers.
+template <typename Body>
+void for_paths_over_image(RayQueries& rays, std::uint64_t key, std::size_t begin, std::size_t end, std::size_t count,
+                          const Body& body) {
+    const Sensor& sensor = rays.scene().sensor();
+    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
+    for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t pixel = i * pixels / count;
+        for_each_pixel(rays, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
+                       [&](std::size_t, const TracedRay& eye, const Sampler& sampler) { body(eye, sampler); });
+    }
+}
+
 /// One thread samples a block of pixels.
 inline constexpr std::size_t pixels_per_block = 256;
 inline std::size_t pixel_blocks(const Sensor& sensor) {

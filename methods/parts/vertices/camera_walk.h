@@ -3,6 +3,7 @@
 
 #include "common/images/film.h"
 #include "methods/parts/vertices/light_paths.h"
+#include "methods/parts/vertices/no_merging.h"
 #include "methods/parts/vertices/path_vertex.h"
 
 #include <cmath>
@@ -19,21 +20,22 @@ struct FoundLight {
     int edges;  ///< number of edges of the path
 };
 
-/// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, numbers, flights)
-/// at every vertex where another walk could end, before the path is scattered there.
-template <typename Found, typename Visit>
+/// Follows the path of a camera's ray. Calls found(FoundLight) for lights on its way, and visit(vertex, along, numbers, flights)
+/// at every vertex where another walk could end, before the path is scattered there. `Rule` is NoMerging or what a method adds.
+template <typename Rule, typename Found, typename Visit>
 class CameraWalk {
 public:
     /// `eye` has been traced. `paths` are the light paths for each of the camera's paths of a pixel. A throughput that is
     /// not finite ends the path and is added to the class's component of `lost`, for the film to count it.
     CameraWalk(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, const LightPaths& paths,
-               const PathRules& rules, PixelSample& lost, Found found, Visit visit)
+               const PathRules& rules, const Rule& added, PixelSample& lost, Found found, Visit visit)
         : scene_(rays.scene()),
           paths_(paths),
           rules_(rules),
           lost_(lost),
           found_(std::move(found)),
           visit_(std::move(visit)),
+          along_(added),
           walk_(rays, sampler, eye, scene_.camera_medium()),
           sums_(TechniqueSums::at_camera(scene_.sensor().ray_density(eye.ray.d), paths.count, rules)) {}
 
@@ -54,15 +56,15 @@ private:
     bool scatters_in_medium(const Vec3& p, const VertexNumbers& u) {
         if (is_last()) return false;
         PathState& path = walk_.at;
-        const double n = rules_.merging.n_at(*path.medium, p);
-        arrive(p, 1, n, false);
-        if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
+        arrive(p, 1);
+        along_.arrive(walk_, p, sums_);
+        if (along_.ends(sums_)) return false;
         PathVertex vertex(walk_, p, path.path_class, sums_);
         tell_whether_first(vertex);
-        visit_(vertex, u, walk_.flights);
-        last_n_ = n;
+        visit_(vertex, along_, u, walk_.flights);
         path.path_class.in_medium = true;
-        const Vec3 to = scatter_in_medium(walk_, sums_, u);
+        const auto [to, step] = scatter_in_medium(walk_, sums_, u);
+        along_.scattered(vertex, step);
         if (!survives(most_survival(path.vertex), u)) return false;
         walk_.go_on(p, to);
         return true;
@@ -77,9 +79,7 @@ private:
         }
         const TechniqueSums before = sums_;
         const double cosine = std::abs(double{walk_.wo().dot(hit->ng)});
-        arrive(hit->p, cosine,
-               rules_.used.merges == Merges::everywhere ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0,
-               rules_.merging.any() && focuses(*hit, walk_.wo()));
+        arrive(hit->p, cosine);
         find_emitter(*hit, cosine);
         if (walk_.passes_through(*hit)) {
             sums_ = before;
@@ -88,55 +88,39 @@ private:
         if (is_last()) return false;
 
         PathState& path = walk_.at;
+        along_.arrive(walk_, *hit, cosine, sums_);
         walk_.disperse(*hit, dimension::stratum);
-        if (sums_.merging().focuses()) sums_.settle(n_of_last());
         PathVertex vertex(walk_, std::move(*hit), path.path_class, sums_);
         if (vertex.can_be_joined()) {
             tell_whether_first(vertex);
-            if (rules_.used.only_merging() && sums_.d_vcm() > 0) return false;
-            visit_(vertex, u, walk_.flights);
+            if (along_.ends(sums_)) return false;
+            visit_(vertex, along_, u, walk_.flights);
         }
         const auto next = walk_.scatter(*vertex.hit, vertex.from_local, u, Transport::radiance, true);
         if (!next) return false;
-        step(sums_, vertex, *next, Transport::power, next->delta ? n_of_last() : 0);
-        if (sums_.merging().is_pending()) {
-            last_hit_ = vertex.hit;
-            last_from_ = vertex.from;
-            if (vertex.sums.merging().n2() > 0) last_n_ = std::sqrt(vertex.sums.merging().n2());
-            else last_n_.reset();
-        }
+        along_.scatters(walk_.rays, next->delta, sums_);
+        along_.scattered(vertex, step(sums_, vertex, *next, Transport::power));
         if (!survives(next->delta ? most_specular_survival(path.vertex) : most_survival(path.vertex), u)) return false;
         walk_.go_on(*vertex.hit, next->wi);
         return true;
     }
 
-    void arrive(const Vec3& p, double cosine, double n, bool focuses) {
+    void arrive(const Vec3& p, double cosine) {
         const PathState& path = walk_.at;
         const bool parallel = path.vertex == 0 && scene_.sensor().is_orthographic();
-        sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine, samples_of_connection(), n,
-                     focuses);
+        sums_.arrive(parallel ? 1. : double{(p - path.previous).squaredNorm()}, cosine, samples_of_connection());
     }
     /// Samples of the technique that connects the edge on which the walk has just arrived; 0 if none in use does.
     double samples_of_connection() const {
         if (walk_.at.vertex == 0) return 1;
-        if (!rules_.used.connections) return 0;
-        return first_ && walk_.at.vertex == *first_ + 1 ? rules_.first_samples : 1;
+        if (!rules_.connects) return 0;
+        return first_ && walk_.at.vertex == *first_ + 1 ? rules_.first_samples() : 1;
     }
     void tell_whether_first(PathVertex& vertex) {
         vertex.is_first = !first_;
         if (!first_) first_ = walk_.at.vertex;
     }
-    /// n of the vertex before, if merging there is pending.
-    double n_of_last() {
-        if (!sums_.merging().is_pending()) return 0;
-        if (!last_n_) last_n_ = rules_.merging.n_at(walk_.rays, *last_hit_, last_from_);
-        return *last_n_;
-    }
-
-    /// Light that the camera sees itself is found even if no other is.
-    bool finds_lights() const {
-        return !rules_.used.only_merging() && !walk_.ray.hides_emitters && (rules_.used.hits || walk_.at.vertex == 0);
-    }
+    bool finds_lights() const { return !along_.is_alone() && !walk_.ray.hides_emitters; }
 
     void find_environment() {
         if (!finds_lights() || !scene_.environment()) return;
@@ -159,7 +143,7 @@ private:
         if (is_black(Le)) return;
         const PathState& path = walk_.at;
         const bool is_alone = path.vertex == 0 && !is_sampled_in_view;
-        const double others = is_alone ? 0 : sums_.other_than_hit(sampling, emission, rules_.used);  // (42), (43)
+        const double others = is_alone ? 0 : sums_.other_than_hit(sampling, emission, rules_);  // (42), (43)
         found_(FoundLight{path.path_class, path.beta * Le, static_cast<float>(1 / (1 + others)), path.vertex + 1});
     }
 
@@ -174,13 +158,10 @@ private:
     PixelSample& lost_;
     Found found_;
     Visit visit_;
+    typename Rule::AlongCamera along_;
     PathWalk walk_;
     TechniqueSums sums_;
     std::optional<int> first_;  ///< number of vertices before the first one that can be joined; empty until then
-    // The last vertex where merging is pending, on a surface if its n is not known yet.
-    std::optional<SurfaceHit> last_hit_;
-    Vec3 last_from_ = Vec3::Zero();
-    std::optional<double> last_n_;
 };
 
 }  // namespace gib

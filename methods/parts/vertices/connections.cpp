@@ -60,7 +60,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 }  // namespace
 
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const Techniques& used, const VertexNumbers& u, NumberStream& flights) {
+                                           const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.lit(scene), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
@@ -79,7 +79,7 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     const double sampling = double{light->pdf_w} * (is_point ? double{light->distance} * double{light->distance} : 1.);
     const Vec3& emitting = std::isfinite(light->distance) ? light->target : eye.p;
     const double emission = paths.emission.density(light->light, emitting, -light->wi, light->cos_light);
-    const double by_hit = light->delta || !used.hits ? 0 : squared(pdf.to_light / sampling);  // (44)
+    const double by_hit = light->delta ? 0 : squared(pdf.to_light / sampling);  // (44)
     // In a direction along the light's surface, emission has density 0 and cosine 0; their ratio is taken for 0.
     const double step =
         emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
@@ -120,12 +120,11 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     }
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from_local, w_eye),
                         light_pdf = direction_pdfs(light, w_light, light.from_local);
-    const bool focuses = light.sums.merging().focuses();
     const double by_camera =
         squared(eye_pdf.to_light * per_area_at_light) * light.sums.earlier(light_pdf.to_light);  // (40)
     const double by_light =
-        squared(light_pdf.to_camera * per_area_at_eye) * eye.sums.earlier(eye_pdf.to_camera, focuses);  // (41)
-    const double samples = eye.is_first ? rules.first_samples : 1;
+        squared(light_pdf.to_camera * per_area_at_eye) * eye.sums.earlier(eye_pdf.to_camera);  // (41)
+    const double samples = eye.is_first ? rules.first_samples() : 1;
     path.weight = static_cast<float>(1 / (1 + (by_camera + by_light) / squared(samples)));  // (37)
     return path;
 }
@@ -154,7 +153,7 @@ std::optional<Splat> connect_to_camera(RayQueries& rays, const PathVertex& light
     if (!light.sums.has_others()) return splat;
     const double step = sensor.ray_density(ray.d) * per_area / paths.count;
     const double reverse = direction_pdfs(light, to_camera, light.from_local).to_light;
-    const double others = squared(step) * light.earlier_at_first(reverse, rules.first_samples);  // (46)
+    const double others = squared(step) * light.earlier_at_first(reverse, rules.first_samples());  // (46)
     splat.connection.weight = static_cast<float>(1 / (1 + others));  // (37), with (47): the camera's part is 0
     return splat;
 }

@@ -28,10 +28,9 @@ struct Connection {
 
 /// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const Techniques& used, const VertexNumbers& u, NumberStream& flights);
+                                           const VertexNumbers& u, NumberStream& flights);
 
-/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)] of one of the technique's samples. If `light`
-/// focuses, n of merging at `eye` has been told (tell_n()).
+/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)] of one of the technique's samples.
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
                                   const LightPaths& paths, const PathRules& rules, NumberStream& flights);
 

@@ -1,69 +1,104 @@
 #pragma once
-// The run of paths from both ends: every path from the camera is joined with a path from a light in all ways, and, if
-// asked for, takes the light of the vertices of many other light paths by merging. It serves bidirectional and vcm.
+// The run of paths from both ends. It serves bidirectional, metropolis for its short paths, and vcm, which adds merging.
 
-#include "common/images/splat_film.h"
-#include "methods/parts/transport/pixel_samples.h"
-#include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/merged_vertices.h"
-#include "methods/parts/vertices/shared_vertices.h"
-#include "methods/parts/vertices/technique_pyramid.h"
+#include "methods/parts/vertices/joined_paths_estimate.h"
 
-#include <optional>
+#include <cmath>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace gib {
 
-struct JoinedPathsSettings {
-    PointSet points;
-    int max_edges;
-    Techniques used;
-    bool shows_techniques = false;
-    std::optional<MergingSettings> merging = {};
-    Guiding guiding = Guiding::off;
-    std::size_t shared_paths = 1;  ///< pixels of a group, which share their light paths (shared_vertices.h)
-};
-
-/// The data of one pass, which the estimates of all pixels share.
-struct PassOfPaths {
-    const LightPaths& paths;
-    PathRules rules;
-    SplatFilm& splats;
-    PointSet points = PointSet::sobol;  ///< of the random numbers, and `seed`: for light paths of a group of pixels
-    std::uint64_t seed = 0;
-    std::uint32_t pass = 0;
-    std::size_t shared_paths = 1;            ///< JoinedPathsSettings::shared_paths
-    TechniquePyramid* pyramid = nullptr;     ///< null: no images of techniques are kept
-    const MergedVertices* merged = nullptr;  ///< null: nothing is merged
-};
-
-/// The estimate of the samples of some pixels, in groups if they share their light paths.
-class JoinedPathsEstimate {
+template <typename Merging>
+class JoinedPathsRun final : public Run {
 public:
-    explicit JoinedPathsEstimate(const PassOfPaths& pass) : pass_(pass), used_(pass.rules.used) {}
+    /// `make_merging(paths)` returns the run's Merging.
+    template <typename MakeMerging>
+    JoinedPathsRun(const Scene& scene, const PathRules& rules, bool shows_techniques, const Plan& plan,
+                   const ShownComponents& shown, std::uint64_t seed, StageTimes& stages,
+                   const MakeMerging& make_merging)
+        : scene_(scene),
+          stages_(stages),
+          runs_(plan.runs(step_eye_paths)),
+          paths_(scene, plan, stages),
+          merging_(make_merging(paths_)),
+          film_(Merging::film(scene.sensor(), shown)),
+          splats_(width(), height(), shown.accumulated, paths_.sum_unit),
+          joined_{paths_, rules, splats_, merging_},
+          pass_{seed} {
+        joined_.rules.light_sampling &= plan.runs(step_light_sampling);
+        if (!rules.connects || rules.max_edges < 3) joined_.rules.shared_paths = 1;
+        if (!shows_techniques) return;
+        pyramid_ = std::make_unique<TechniquePyramid>(width(), height(), paths_.sum_unit / paths_.count);
+        joined_.pyramid = pyramid_.get();
+    }
 
-    /// Follows the light paths of the pixels that share theirs, before their samples, which come in this order.
-    void start_group(RayQueries& rays, std::span<const PixelPlace> places);
+    Progress advance(std::uint32_t pass) override {
+        passes_ = pass + 1;
+        if (!runs_) return Progress::converged;
+        pass_.number = pass;
+        merging_.start_pass(pass, stages_, rays_);
+        rays_ += sample_blocks(
+            scene_, film_, pass, stages_, step_eye_paths, Tile::count(scene_.sensor()),
+            [&](RayQueries& rays, std::size_t index, const auto& add) { return sample_tile(rays, index, add); });
+        return Progress::more;
+    }
 
-    /// The light of the paths from the camera that end in this pixel. That of light paths which reach the camera, in any pixel,
-    /// goes to the film of splats, or is appended to `kept` if this is not null.
-    BiasedSample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
-                            std::vector<std::pair<std::size_t, PixelSample>>* kept = nullptr);
+    ComponentImages image() const override {
+        ComponentImages images = film_.mean(passes_);
+        splats_.add_mean(paths_.count * passes_, images);
+        if (pyramid_) images.techniques = pyramid_->images(passes_);
+        return images;
+    }
+    RunCounts counts() const override {
+        RunCounts counts{.photons = merging_.light_paths(), .rays = rays_, .non_finite = film_.non_finite()};
+        counts.non_finite = counts.non_finite + splats_.non_finite();
+        return counts;
+    }
+    std::vector<std::pair<std::string, std::string>> facts() const override { return merging_.facts(); }
 
 private:
-    void follow_light(RayQueries& rays, const Sampler& sampler);
-    void splat(const std::optional<Splat>& splat, int s);
+    /// Samples all pixels of a tile, calls add(pixel, sample), and returns their number.
+    template <typename Add>
+    std::size_t sample_tile(RayQueries& rays, std::size_t index, const Add& add) {
+        const Tile tile(scene_.sensor(), index);
+        // A group has every `apart`-th pixel of the tile in x and y, because its pixels' noise is alike.
+        const PathRules& rules = joined_.rules;
+        const bool shares = rules.shared_paths > 1;
+        const int apart = shares ? Tile::edge / static_cast<int>(std::sqrt(rules.shared_paths)) : 1;
+        JoinedPathsEstimate<Merging> estimate(joined_, pass_, [this](std::size_t pixel, const PixelSample& light) {
+            splats_.add(pixel, pass_.number, light);
+        });
+        for (int group = 0; group < apart * apart; ++group) {
+            const auto places = tile.every(apart, group % apart, group / apart, scene_.sensor());
+            if (shares) estimate.start_group(rays, places);
+            for_each_pixel_of(
+                rays, rules.points, pass_.seed, pass_.number, places.size(), [&](std::size_t i) { return places[i]; },
+                [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {
+                    add(pixel, estimate(rays, eye, sampler, pixel));
+                });
+        }
+        return tile.pixels();
+    }
 
-    const PassOfPaths& pass_;
-    const Techniques& used_;
-    std::vector<std::pair<std::size_t, PixelSample>>* kept_ = nullptr;
-    SharedVertices<PathVertex> light_vertices_;
-    std::size_t next_ = 0;  ///< the group's pixel whose sample comes next
+    int width() const { return scene_.sensor().width(); }
+    int height() const { return scene_.sensor().height(); }
+
+    const Scene& scene_;
+    StageTimes& stages_;
+    bool runs_;
+    std::uint64_t rays_ = 0;
+    LightPaths paths_;
+    Merging merging_;
+    typename Merging::Film film_;
+    SplatFilm splats_;
+    JoinedPaths<Merging> joined_;
+    Pass pass_;
+    std::unique_ptr<TechniquePyramid> pyramid_;
+    std::uint32_t passes_ = 0;
 };
-
-/// Whether vertices of both walks are connected with each other.
-inline bool connects_paths(const Techniques& used) { return used.connections && !used.only_merging(); }
 
 /// Pixels whose paths from the camera share their light paths.
 inline constexpr std::string_view shared_paths_name = "shared_paths";
@@ -71,14 +106,11 @@ Parameter shared_paths_parameter();
 std::size_t shared_paths_of(const ParameterValues& values);
 
 /// Adds the steps of light paths, eye paths, light sampling and connections.
-void add_joined_paths(Plan& plan, const Scene& scene, const JoinedPathsSettings& settings);
+void add_joined_paths(Plan& plan, const Scene& scene, const PathRules& rules);
 
-/// Why paths from both ends need no importons; empty if they do, to start light towards what focuses it into the view. All other
-/// light the connections bring to where the camera looks.
-std::string why_no_importons(const Plan& plan);
-
-/// Starts the run, with light sampling, eye paths, aim, importons and merging where `plan` runs them.
-std::unique_ptr<Run> start_joined_paths(const Scene& scene, const JoinedPathsSettings& settings, const Plan& plan,
-                                        const ShownComponents& shown, std::uint64_t seed, StageTimes& stages);
+/// Starts the run without merging, with light sampling, eye paths and aim where `plan` runs them.
+std::unique_ptr<Run> start_joined_paths(const Scene& scene, const PathRules& rules, bool shows_techniques,
+                                        const Plan& plan, const ShownComponents& shown, std::uint64_t seed,
+                                        StageTimes& stages);
 
 }  // namespace gib

@@ -9,10 +9,8 @@ namespace gib {
 
 namespace {
 
-LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stages, const LightGuide* guide,
-                          bool follows) {
-    const LightEmission* guided = !guide ? nullptr : follows ? guide->emission() : guide->caustic_emission();
-    if (guided) return *guided;
+LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stages, const LightPolicy* policy) {
+    if (const LightEmission* start = policy ? policy->start(false) : nullptr) return *start;
     if (!plan.runs(step_light_aim)) return LightEmission(scene);
     const auto timer = stages.time(step_light_aim);
     return LightEmission(scene, LightEmission::towards_specular(scene));
@@ -20,13 +18,12 @@ LightEmission emission_of(const Scene& scene, const Plan& plan, StageTimes& stag
 
 }  // namespace
 
-LightPaths::LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages,
-                       std::shared_ptr<const LightGuide> guiding, bool follows_guide)
+LightPaths::LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages, std::shared_ptr<const LightPolicy> by)
     : count(static_cast<double>(scene.sensor().width()) * scene.sensor().height()),
       power(scene.emitted_power().maxCoeff()),
       camera_on_surface(RayQueries(scene).camera_lies_on_surface()),
-      guide(std::move(guiding)),
-      emission(emission_of(scene, plan, stages, guide.get(), follows_guide)) {
+      policy(std::move(by)),
+      emission(emission_of(scene, plan, stages, policy.get())) {
     // A diffuse ball around the scene of radius r that gives off the power has the radiance power / (4 pi^2 r^2).
     const double radiance = power / (4 * std::numbers::pi * BoundingSphere(scene.bounds()).area());
     sum_unit = std::isfinite(radiance) && radiance > 0 ? std::exp2(10 + std::round(std::log2(radiance * count))) : 1;

@@ -2,7 +2,8 @@
 // Shared by the methods of light paths: how many paths there are, how they start, and the units of their light.
 
 #include "methods/method.h"
-#include "methods/parts/photons/find_guide.h"
+#include "methods/parts/emission/light_emission.h"
+#include "methods/parts/transport/light_policy.h"
 
 namespace gib {
 
@@ -12,15 +13,14 @@ inline constexpr std::string_view step_connections = "connections";
 
 /// The light paths of a scene's pass: as many as pixels.
 struct LightPaths {
-    /// Builds the projection map if the plan runs it and there is no guide that aims. `follows_guide`: directions follow the guide,
-    /// not only starts towards surfaces that focus.
+    /// Builds the projection map if the plan runs it and there is no policy that has starts of its own.
     LightPaths(const Scene& scene, const Plan& plan, StageTimes& stages,
-               std::shared_ptr<const LightGuide> guiding = nullptr, bool follows_guide = false);
+               std::shared_ptr<const LightPolicy> by = nullptr);
 
-    double count;                             ///< number of light paths in a pass
-    double power;                             ///< emitted by the scene [W], the unit of the paths' power
-    bool camera_on_surface;                   ///< RayQueries::camera_lies_on_surface()
-    std::shared_ptr<const LightGuide> guide;  ///< null without one
+    double count;                               ///< number of light paths in a pass
+    double power;                               ///< emitted by the scene [W], the unit of the paths' power
+    bool camera_on_surface;                     ///< RayQueries::camera_lies_on_surface()
+    std::shared_ptr<const LightPolicy> policy;  ///< null without one
     LightEmission emission;
     /// A power of 2 near 1000 times the radiance [W/(sr m^2)] that this power makes in the whole scene: the unit of sums
     /// over pixels, times `count`. Most additions are smaller, and leave the sums' whole numbers alone.

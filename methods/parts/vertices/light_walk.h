@@ -1,8 +1,8 @@
 #pragma once
 // The walk from a light: its vertices, for connections to the camera and to vertices of the camera's walk.
 
-#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/vertices/light_paths.h"
+#include "methods/parts/vertices/no_merging.h"
 #include "methods/parts/vertices/path_vertex.h"
 
 #include <algorithm>
@@ -14,19 +14,20 @@ namespace gib {
 /// float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
-/// similar power (Jensen 2001, section 5.2). If its vertices are connected to the camera alone, it follows the guide of the
-/// paths, if there is one: other techniques would have to weigh these directions, and find what the camera sees by themselves.
-template <typename Visit>
+/// similar power (Jensen 2001, section 5.2). It scatters by the policy of the paths, if there is one; only walks whose vertices are
+/// connected to the camera alone may have one, since other techniques would have to weigh its directions.
+template <typename Rule, typename Visit>
 class LightWalk {
 public:
     LightWalk(RayQueries& rays, const Sampler& sampler, const LightPaths& paths, const PathRules& rules,
-              const LightEmission::Start& start, Visit visit)
+              const Rule& added, const LightEmission::Start& start, Visit visit)
         : scene_(rays.scene()),
           rules_(rules),
-          guide_(rules.have_others() ? nullptr : paths.guide.get()),
+          policy_(paths.policy.get()),
           visit_(std::move(visit)),
           start_(start),
           light_(scene_.lights()[start.sample.light]),
+          along_(added, is_delta(light_)),
           walk_(rays, sampler, TracedRay{start.sample.ray},
                 scene_.has_media() ? rays.medium_at(start.sample.ray.o) : nullptr),
           sums_(at_light(0)) {
@@ -52,13 +53,15 @@ private:
     /// goes on.
     bool scatters_in_medium(const Vec3& p, float before, const VertexNumbers& u) {
         PathState& path = walk_.at;
-        arrive(p, 1, rules_.merging.n_at(*path.medium, p), false);
-        if (is_made_without_merging()) return false;
+        arrive(p, 1);
+        along_.arrive(walk_, p, sums_);
+        if (along_.ends(sums_)) return false;
         PathVertex vertex(walk_, p, path_class_, sums_);
         visit_(vertex, u, walk_.flights);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
-        const Vec3 to = scatter_in_medium(walk_, sums_, u);
+        along_.scatters(false);
+        const Vec3 to = scatter_in_medium(walk_, sums_, u).first;
         path_class_.in_medium = true;
         walk_.go_on(p, to);
         return true;
@@ -69,44 +72,39 @@ private:
         auto hit = walk_.surface_hit();
         if (!hit) return false;
         if (walk_.passes_through(*hit)) return true;
-        const double n = sums_.merging().applies(false) ? rules_.merging.n_at(walk_.rays, *hit, walk_.wo()) : 0;
-        arrive(scene_.lit(*hit, walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))}, n,
-               rules_.merging.any() && focuses(*hit, walk_.wo()));
+        arrive(scene_.lit(*hit, walk_.wo()), double{std::abs(walk_.wo().dot(hit->ng))});
+        along_.arrive(walk_, *hit, sums_);
         walk_.disperse(*hit, dimension::photon_stratum);
         PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
-            if (is_made_without_merging()) return false;
+            if (along_.ends(sums_)) return false;
             visit_(vertex, u, walk_.flights);
         }
 
         const auto next =
-            scatter_light(guide_, walk_, *vertex.hit, vertex.from, vertex.from_local, u, first_power, true);
+            scatter_light(policy_, walk_, *vertex.hit, vertex.from, vertex.from_local, u, first_power, true);
         if (!next) return false;
+        along_.scatters(next->delta);
         step(sums_, vertex, *next, Transport::radiance);
         path_class_ = path_class_.preceded_by(next->lobe);
         walk_.go_on(*vertex.hit, next->wi);
         return true;
     }
 
-    /// Whether only paths are wanted that merging alone can make, and another technique makes every path to this vertex.
-    bool is_made_without_merging() const {
-        return rules_.used.only_merging() && ((rules_.used.hits && !is_delta(light_)) || sums_.d_vcm() > 0);
-    }
-
     TechniqueSums at_light(double sampling) const {
         return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), rules_);
     }
     /// Arrival at a point, whose normal has this cosine with the path.
-    void arrive(const LitPoint& at, double cosine, double n, bool focuses) {
+    void arrive(const LitPoint& at, double cosine) {
         if (!sums_.has_others()) return;
         const PathState& path = walk_.at;
         const double distance2 = double{(at.p - path.previous).squaredNorm()};
-        if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.used.connections ? 1 : 0, n, focuses);
+        if (path.vertex > 0) return sums_.arrive(distance2, cosine, rules_.connects ? 1 : 0);
         const EmissionSample& start = start_.sample;
         const SurfacePoint origin{start.ray.o, start.normal, 0.f};
         const double sampling = double{scene_.light_pdf_w(at, start.light, origin, start.ray.d)};
         sums_ = at_light(is_point(light_) ? sampling * distance2 : sampling);
-        sums_.arrive(1, cosine, 1, n, focuses);
+        sums_.arrive(1, cosine, 1);
     }
 
     /// The mean power of a path that starts, in the unit LightPaths::power.
@@ -114,10 +112,11 @@ private:
 
     const Scene& scene_;
     const PathRules& rules_;
-    const LightGuide* guide_;
+    const LightPolicy* policy_;
     Visit visit_;
     const LightEmission::Start& start_;
     const Light& light_;
+    typename Rule::AlongLight along_;
     PathWalk walk_;
     TechniqueSums sums_;
     PathClass path_class_;  ///< class of the vertices so far, read towards the light

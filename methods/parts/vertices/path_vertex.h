@@ -137,33 +137,25 @@ inline DirectionPdfs direction_pdfs(const PathVertex& at, const Vec3& to_camera,
     return {double{pdfs.radiance}, double{pdfs.power}};
 }
 
-/// Whether a surface seen from `wo` has no diffuse lobe, so that it focuses light (merge_rule.h).
-inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
-    return hit.delta_only || !hit.bsdf->traits_at(hit.shading.to_local(wo).z()).diffuse;
-}
-
-/// Works out n of merging at a vertex on a surface, if it has not been told yet.
-inline void tell_n(const MergeRadii& radii, RayQueries& rays, PathVertex& at) {
-    if (at.hit && !(at.sums.merging().n2() > 0)) at.sums.merging().set_n(radii.n_at(rays, *at.hit, at.from));
-}
-
-/// Scatters the walk in its medium and takes the sums past the event. Returns the direction.
-inline Vec3 scatter_in_medium(PathWalk& walk, TechniqueSums& sums, const VertexNumbers& u) {
+/// Scatters the walk in its medium and takes the sums past the event. Returns the direction, and TechniqueSums::scatter().
+inline std::pair<Vec3, double> scatter_in_medium(PathWalk& walk, TechniqueSums& sums, const VertexNumbers& u) {
     const Vec3 from = walk.wo(), to = walk.scatter_in_medium(u, true);
-    sums.scatter(double{walk.at.pdf_w}, double{walk.at.medium->phase().value(to, from)}, 1);
-    return to;
+    return {to, sums.scatter(double{walk.at.pdf_w}, double{walk.at.medium->phase().value(to, from)}, 1)};
 }
 
 /// Takes the sums past a surface at which the walk has been scattered in direction `next`; `other` is what the other
-/// walk carries, `pending_n` as in MergeRule::settle().
-inline void step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other,
-                 double pending_n = 0) {
-    if (!sums.has_others()) return;
+/// walk carries. Returns TechniqueSums::scatter(), or 0 at a delta lobe.
+inline double step(TechniqueSums& sums, const PathVertex& at, const ScatteredRay& next, Transport other) {
+    if (!sums.has_others()) return 0;
     const SurfaceHit& hit = *at.hit;
     const double cosine = std::abs(double{next.wi.dot(hit.ng)});
-    if (next.delta) return sums.scatter_specularly(cosine, pending_n);
+    if (next.delta) {
+        sums.scatter_specularly(cosine);
+        return 0;
+    }
     const Vec3 to_local = hit.shading.to_local(next.wi);
-    sums.scatter(double{next.pdf_w}, double{hit.bsdf->pdf_w_local(to_local, at.from_local, Lobes::all, other)}, cosine);
+    return sums.scatter(double{next.pdf_w}, double{hit.bsdf->pdf_w_local(to_local, at.from_local, Lobes::all, other)},
+                        cosine);
 }
 
 }  // namespace gib

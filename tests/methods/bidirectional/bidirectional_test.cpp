@@ -13,31 +13,18 @@ namespace {
 using namespace lit_rooms;
 
 const std::vector<std::string> three_methods = {"path", "bidirectional", "light_tracer"};
-/// Without a technique that finds delta lights by itself.
-const std::vector<std::string> for_delta_lights = {"path",
-                                                   "bidirectional",
-                                                   "light_tracer",
-                                                   "bidirectional connections=off",
-                                                   "bidirectional camera=off",
-                                                   "bidirectional light_sampling=off"};
-std::vector<std::string> all_methods() {
-    std::vector<std::string> all = for_delta_lights;
-    all.push_back("bidirectional light_sampling=off connections=off camera=off");
-    return all;
-}
 /// Without light tracing, which finds no specular surfaces.
-const std::vector<std::string> for_specular = {"path", "bidirectional", "bidirectional light_sampling=off",
-                                               "bidirectional connections=off"};
+const std::vector<std::string> for_specular = {"path", "bidirectional"};
 
 TEST(Techniques, AgreeUnderLamps) {
-    expect_same_means(room_xml({.light = lamp}), all_methods());
-    expect_same_means(room_xml({.light = shining_ball}), all_methods());
+    expect_same_means(room_xml({.light = lamp}), three_methods);
+    expect_same_means(room_xml({.light = shining_ball}), three_methods);
 }
 TEST(Techniques, AgreeUnderDeltaLights) {
     for (const auto& light : {lit_rooms::point, spot, sun})
-        expect_same_means(room_xml({.light = light, .ball = diffuse_ball}), for_delta_lights);
+        expect_same_means(room_xml({.light = light, .ball = diffuse_ball}), three_methods);
 }
-TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room_xml({.light = sky + lamp}), all_methods()); }
+TEST(Techniques, AgreeUnderTheSky) { expect_same_means(room_xml({.light = sky + lamp}), three_methods); }
 // The camera's rays end at the far clip distance, inside the room; the sky beyond is seen nevertheless.
 TEST(Techniques, AgreeAboutTheSkyBeyondTheFarClipDistance) {
     expect_same_means(
@@ -60,13 +47,13 @@ TEST(Techniques, AgreeInDaylightFromAMirror) {
     EXPECT_GT(mean_of(*render(scene_of(xml), "bidirectional", 16)[Component::caustic]).minCoeff(), 0.005);
     expect_same_means(xml, three_methods);
 }
-TEST(Techniques, AgreeInFog) { expect_same_means(room_xml({.light = lamp, .more = fog}), all_methods()); }
+TEST(Techniques, AgreeInFog) { expect_same_means(room_xml({.light = lamp, .more = fog}), three_methods); }
 // The light lies on an edge of the medium's box, where a way meets one face and then the other, again and again.
 TEST(Techniques, EndAtALightOnTheEdgeOfAMedium) {
     for (const auto& label : three_methods)
         EXPECT_GT(mean_of(render(room({.light = lit_rooms::point, .more = fog}), label, 16).total()).sum(), 0) << label;
 }
-TEST(Techniques, AgreeBehindAMask) { expect_same_means(room_xml({.light = lamp, .more = grate}), all_methods()); }
+TEST(Techniques, AgreeBehindAMask) { expect_same_means(room_xml({.light = lamp, .more = grate}), three_methods); }
 TEST(Techniques, AgreeForEveryCameraAndFilter) {
     const std::string lens = number("aperture_radius", 0.2) + number("focus_distance", 2) + number("near_clip", 0.3) +
                              number("far_clip", 4.5);
@@ -89,7 +76,7 @@ TEST(Techniques, AgreeOnSmoothShadedFaces) {
         obj += "f " + face + "\n";
     const std::string file =
         text("filename", folder.write("octahedron.obj", obj)) + to_world(scale(0.6), translate(0.6, -0.2, -0.6));
-    expect_same_means(room_xml({.light = lamp, .more = shape("obj", file, bsdf("diffuse"))}), all_methods());
+    expect_same_means(room_xml({.light = lamp, .more = shape("obj", file, bsdf("diffuse"))}), three_methods);
     expect_same_means(room_xml({.light = lamp, .more = shape("obj", file, bsdf("dielectric"))}), for_specular);
 }
 // Light from a point through glass: path tracing leaves the caustic black and says so, light tracing makes it.

@@ -250,7 +250,7 @@ TEST(DirectSamples, HaveTheNoiseOfAsManyPasses) {
     }
 }
 
-const std::vector<std::string> gathering = {"source", "cache", "spacing"};
+const std::vector<std::string> gathering = {"source", "cache"};
 
 bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -280,9 +280,8 @@ std::vector<std::string> combined(const std::string& start, Counts&& counts) {
 /// and of the options that affect it.
 std::vector<std::string> combinations() {
     auto labels = combined("photon_mapper", [](const std::string& name) {
-        // Shadow photons, light along rays in media and guided photons have tests of their own. Without the first, the option
-        // `shadows` is refused.
-        return !is_one_of(name, gathering) && name != "shadows" && name != "volume" && name != "guide";
+        // Light along rays in media has tests of its own.
+        return !is_one_of(name, gathering) && name != "volume";
     });
     auto gathered = combined("photon_mapper gather=32", [](const std::string& name) {
         return is_one_of(name, gathering) || name == "area" || name == "projection";
@@ -292,16 +291,7 @@ std::vector<std::string> combinations() {
     for (std::string& label : gathered)
         if (has(label, "source=photons") && has(label, "cache=off"))
             label.replace(label.find("gather=32"), 9, "gather=8");
-    // The method refuses these, because there are no records to space.
-    std::erase_if(gathered,
-                  [](const std::string& label) { return has(label, "cache=off") && has(label, "spacing=diagonals"); });
-    for (std::string& label : gathered)
-        if (has(label, "cache=off")) label.erase(label.find(" spacing="));
     labels.insert(labels.end(), gathered.begin(), gathered.end());
-    // The method refuses these, because all photons within the radius count and there is nothing to choose.
-    std::erase_if(labels, [](const std::string& label) {
-        return label.find("k=all") != std::string::npos && label.find("compensation=on") != std::string::npos;
-    });
     return labels;
 }
 
@@ -315,8 +305,6 @@ TEST(PhotonOptions, CoverWhatTheTableOffers) {
 
 TEST(PhotonOptions, WithoutEffectAreRefused) {
     const std::pair<const char*, const char*> refused[] = {
-        {"shadows=guide", "'shadows' has no effect with shadow_photons=0"},
-        {"shadow_k=8", "'shadow_k' has no effect with shadow_photons=0"},
         {"source=paths", "'source' has no effect with gather=0"},
         {"cache=on", "'cache' has no effect with gather=0"},
         {"gather=8 accuracy=0.2", "'accuracy' has no effect with cache=off"},
@@ -326,7 +314,6 @@ TEST(PhotonOptions, WithoutEffectAreRefused) {
         {"volume_photons=0 volume_radius=0.1", "'volume_radius' has no effect with volume_photons=0"},
         {"photons=0 volume_photons=9 area=plain", "'area' has no effect with no photons on surfaces"},
         {"photons=0 kernel=cone", "'kernel' has no effect with no photons"},
-        {"k=all compensation=on", "'compensation' has no effect with k=all"},
     };
     for (const auto& [parameters, message] : refused)
         try {
@@ -335,7 +322,7 @@ TEST(PhotonOptions, WithoutEffectAreRefused) {
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
         }
-    for (const char* kept : {"shadow_photons=9 shadows=skip shadow_k=8", "photons=0 gather=8 source=paths cache=on",
+    for (const char* kept : {"photons=0 gather=8 source=paths cache=on",
                              "photons=0 caustic_photons=9 caustic_radius=0.1 k=8 kernel=cone area=plain"})
         EXPECT_NO_THROW(ConfiguredMethod(MethodLabel::parse(std::string("photon_mapper ") + kept)).create({})) << kept;
 }

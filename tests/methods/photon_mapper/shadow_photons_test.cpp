@@ -1,5 +1,4 @@
-// Shadow photons: their verdicts on lights against exact visibility, and direct light
-// sampled with them against plain direct light.
+// Shadow photons: where they lie, and direct light sampled with them against plain direct light.
 #include "methods/parts/shadow_photons/shadow_photons.h"
 
 #include "methods/parts/shadow_photons/light_visibility.h"
@@ -47,8 +46,8 @@ LoadedScene floor_scene(const std::string& body) {
         .load();
 }
 
-std::string label(const char* use, const char* photons, const char* more = "") {
-    return fmt::format("photon_mapper photons=0 shadow_photons={} shadows={} {}", photons, use, more);
+std::string label(const char* photons, const char* more = "") {
+    return fmt::format("photon_mapper photons=0 shadow_photons={} {}", photons, more);
 }
 
 struct DirectLight {
@@ -67,11 +66,11 @@ std::array<Moments, 3> means_of(const LoadedScene& scene, const std::string& tex
 }
 
 /// Expects the means to differ by at most 5 standard errors of the difference (16 seeds each: by chance once in 5e4
-/// comparisons; there are about 40) and the share `bias` of the value. The errors must be small enough to show 2 %.
-void expect_equal_means(const std::array<Moments, 3>& found, const std::array<Moments, 3>& expected, double bias = 0) {
+/// comparisons; there are about 20). The errors must be small enough to show 2 %.
+void expect_equal_means(const std::array<Moments, 3>& found, const std::array<Moments, 3>& expected) {
     for (std::size_t c = 0; c < 3; ++c) {
         const double error = std::hypot(found[c].standard_error(), expected[c].standard_error());
-        EXPECT_NEAR(found[c].mean(), expected[c].mean(), 5 * error + bias * expected[c].mean()) << c;
+        EXPECT_NEAR(found[c].mean(), expected[c].mean(), 5 * error) << c;
         EXPECT_LT(5 * error, 0.02 * expected[c].mean()) << c;
     }
 }
@@ -122,75 +121,27 @@ SurfaceHit floor_hit(const gib::Scene& scene, float x, float y) {
     return scene.intersect({Vec3(x, y, scene.bounds().lower.z() - 1.f), Vec3::UnitZ()}).value();
 }
 
-struct Agreement {
-    double wrong, open;  ///< shares of all pairs (point, light)
-};
-
-/// Compares the verdicts on point lights with shadow rays, at points of the floor.
-Agreement agreement_with_rays(const LoadedScene& loaded, std::uint64_t photons) {
-    const gib::Scene& scene = *loaded.scene;
-    const ShadowPhotonSettings settings{photons, Shadows::skip, 32};
-    const LightVisibility map(scene, trace_shadow_photons(scene, photons, 1).photons, settings);
-    RayQueries rays(scene);
-    int wrong = 0, open = 0, all = 0;
-    for (std::uint32_t i = 0; i < 4000; ++i) {
-        const Vec2 u = Sampler(PointSet::sobol, 3, 0, i).get_2d(0);
-        const SurfaceHit hit = floor_hit(scene, 5.f * u.x() - 2.5f, 5.f * u.y() - 2.5f);
-        for (std::uint32_t light = 0; light < scene.lights().size(); ++light, ++all) {
-            const auto sample = sample_light(scene.lights()[light], scene.shapes(), hit.p, Vec2(0.5f, 0.5f));
-            const bool seen = rays.visibility(hit, *sample)[0] > 0.f;
-            const LightVerdict verdict = map.verdict(hit, hit.ng, light);
-            if (verdict == LightVerdict::open) ++open;
-            else if (seen != (verdict == LightVerdict::lit)) ++wrong;
-        }
-    }
-    return {static_cast<double>(wrong) / all, static_cast<double>(open) / all};
-}
-
-// The length of the shadows' edges is fixed, and open verdicts lie in regions along them. Their share falls
-// with the width of regions, about as photons^(-1/2); 16 times as many photons must reduce it to less than
-// half. If an edge crosses a region and the share v of the region is lit, the share v^n (1 - v) + (1 - v)^n v
-// has a wrong verdict on average: 2 / ((n + 1) (n + 2)) if v is uniform, 1.8e-3 at n = 32. Larger regions that
-// were decided before add less than as much again.
-TEST(ShadowPhotons, VerdictsAreExactVisibilityButForTheEdgesOfShadows) {
-    const auto scene = floor_scene(blocker(0.6, diffuse(0.5)) + many_lights(false));
-    std::optional<Agreement> before;
-    for (const std::uint64_t photons : {1u << 14, 1u << 18, 1u << 22}) {
-        const Agreement found = agreement_with_rays(scene, photons);
-        std::cout << photons << " photons: wrong " << found.wrong << ", open " << found.open << '\n';
-        if (before) {
-            EXPECT_LT(found.open, 0.5 * before->open);
-        }
-        EXPECT_LT(found.wrong, 4e-3 * found.open);
-        before = found;
-    }
-}
-
 // The share of numbers u that lead to a light is the probability that the estimator divides by. Every light has a
 // positive one.
 TEST(ShadowPhotons, LightsAreChosenWithTheirProbability) {
     const auto loaded = floor_scene(blocker(0.6, diffuse(0.5)) + lamps);
     const gib::Scene& scene = *loaded.scene;
-    for (const Shadows use : {Shadows::skip, Shadows::guide}) {
-        const ShadowPhotonSettings settings{20000, use, 32};
-        const LightVisibility map(scene, trace_shadow_photons(scene, settings.photons, 1).photons, settings);
-        constexpr int steps = 1 << 14;
-        for (const float x : {-2.f, -0.3f, 0.f, 1.1f}) {
-            const SurfaceHit hit = floor_hit(scene, x, 0.4f);
-            const Vec3 wo = Vec3::UnitZ();
-            std::vector<int> chosen(scene.lights().size());
-            for (int i = 0; i < steps; ++i) {
-                const auto choice = map.choose(hit, wo, (static_cast<float>(i) + 0.5f) / steps);
-                if (!choice) continue;
-                EXPECT_EQ(choice->verdict, map.verdict(hit, wo, choice->light));
-                EXPECT_FLOAT_EQ(choice->probability, map.probability(hit, wo, choice->light));
-                ++chosen[choice->light];
-            }
-            for (std::uint32_t light = 0; light < chosen.size(); ++light) {
-                const double probability = static_cast<double>(map.probability(hit, wo, light));
-                EXPECT_NEAR(chosen[light], steps * probability, 2.5) << light;
-                EXPECT_GT(probability, 0) << light;
-            }
+    const LightVisibility map(scene, trace_shadow_photons(scene, 20000, 1).photons);
+    constexpr int steps = 1 << 14;
+    for (const float x : {-2.f, -0.3f, 0.f, 1.1f}) {
+        const SurfaceHit hit = floor_hit(scene, x, 0.4f);
+        const Vec3 wo = Vec3::UnitZ();
+        std::vector<int> chosen(scene.lights().size());
+        for (int i = 0; i < steps; ++i) {
+            const auto choice = map.choose(hit, wo, (static_cast<float>(i) + 0.5f) / steps);
+            if (!choice) continue;
+            EXPECT_FLOAT_EQ(choice->probability, map.probability(hit, wo, choice->light));
+            ++chosen[choice->light];
+        }
+        for (std::uint32_t light = 0; light < chosen.size(); ++light) {
+            const double probability = static_cast<double>(map.probability(hit, wo, light));
+            EXPECT_NEAR(chosen[light], steps * probability, 2.5) << light;
+            EXPECT_GT(probability, 0) << light;
         }
     }
 }
@@ -201,78 +152,8 @@ TEST(ShadowPhotons, GuidingIsUnbiasedHoweverFewTheyAre) {
     const auto expected = means_of(scene, "path", 256);
     for (const char* photons : {"60", "600", "60000"}) {
         SCOPED_TRACE(photons);
-        expect_equal_means(means_of(scene, label("guide", photons, "shadow_k=1"), 128), expected);
+        expect_equal_means(means_of(scene, label(photons), 128), expected);
     }
-}
-
-TEST(ShadowPhotons, WhereNothingIsBlockedNoShadowRayIsTracedAndNothingChanges) {
-    const auto scene = floor_scene(lamps);
-    const DirectLight plain = direct_of(scene, "photon_mapper photons=0", 4);
-    const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
-    EXPECT_EQ(plain.direct.rgb, skipped.direct.rgb);
-    const std::uint64_t eye_rays = 16 * 16 * 4;
-    const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 100000, 1).rays;
-    EXPECT_EQ(skipped.counts.rays, eye_rays + photon_rays);
-    EXPECT_GE(plain.counts.rays, 2 * eye_rays - eye_rays / 20);
-    EXPECT_EQ(skipped.counts.photons, 100000u);
-}
-
-// A blocker hides every lamp. The shadow photons report this, so no shadow ray is traced and the image is black.
-TEST(ShadowPhotons, WhereAllIsBlockedNoShadowRayIsTraced) {
-    const auto scene = floor_scene(blocker(40, diffuse(0.5)) + lamps);
-    const DirectLight skipped = direct_of(scene, label("skip", "1e5"), 4);
-    EXPECT_EQ(mean_of(skipped.direct).maxCoeff(), 0);
-    EXPECT_EQ(skipped.counts.rays, 16 * 16 * 4 + trace_shadow_photons(*scene.scene, 100000, 1).rays);
-}
-
-/// Root of the mean squared bias, relative to the root mean square of the light. The squared bias of a pixel and
-/// channel is the square of the mean error over seeds, less the variance of that mean.
-double relative_bias(const LoadedScene& scene, const std::string& text, const Image& truth) {
-    constexpr int seeds = 16;
-    Image sum(truth.width, truth.height), squares(truth.width, truth.height);
-    for (int seed = 1; seed <= seeds; ++seed) {
-        const Image image = direct_of(scene, text, 64, static_cast<std::uint64_t>(seed)).direct;
-        for (std::size_t i = 0; i < image.rgb.size(); ++i) {
-            const float error = image.rgb[i] - truth.rgb[i];
-            sum.rgb[i] += error;
-            squares.rgb[i] += error * error;
-        }
-    }
-    double bias2 = 0, light2 = 0;
-    for (std::size_t i = 0; i < truth.rgb.size(); ++i) {
-        const double mean = static_cast<double>(sum.rgb[i]) / seeds;
-        const double variance = (static_cast<double>(squares.rgb[i]) / seeds - mean * mean) / (seeds - 1);
-        bias2 += mean * mean - variance;
-        light2 += sqr(static_cast<double>(truth.rgb[i]));
-    }
-    return std::sqrt(std::max(bias2, 0.0) / light2);
-}
-
-TEST(ShadowPhotons, BiasOfSkippingShrinksWithTheirNumber) {
-    const auto scene = floor_scene(blocker(0.9, diffuse(0.5)) + lamps);
-    const Image truth = direct_of(scene, label("guide", "1e5"), 1 << 14, 99).direct;
-    double before = infinity;
-    for (const char* photons : {"1e3", "1e4", "1e5"}) {
-        const double bias = relative_bias(scene, label("skip", photons, "shadow_k=4"), truth);
-        std::cout << photons << " photons: bias " << bias << '\n';
-        EXPECT_LT(bias, 0.6 * before);
-        before = bias;
-    }
-    EXPECT_LT(before, 0.01);
-}
-
-TEST(ShadowPhotons, SkippingSavesMostShadowRaysUnderManyLights) {
-    const auto scene = shipped_scene("many-lights.xml", {{}, std::pair{32, 24}});
-    const std::uint64_t photon_rays = trace_shadow_photons(*scene.scene, 500000, 1).rays;
-    std::map<std::string, std::uint64_t> shadow_rays;
-    shadow_rays["rays"] = direct_of(scene, "photon_mapper photons=0", 4).counts.rays - 32 * 24 * 4;
-    for (const char* use : {"skip", "guide"}) {
-        const std::uint64_t rays = direct_of(scene, label(use, "5e5"), 4).counts.rays;
-        shadow_rays[use] = rays - 32 * 24 * 4 - photon_rays;
-    }
-    std::cout << "shadow rays: " << shadow_rays["rays"] << ", skip " << shadow_rays["skip"] << ", guide "
-              << shadow_rays["guide"] << '\n';
-    EXPECT_LT(shadow_rays["skip"], shadow_rays["rays"] / 4);
 }
 
 // A mask lets half of the light through its holes, so its photons can say neither lit nor dark.
@@ -281,20 +162,16 @@ TEST(ShadowPhotons, HolesThatLetAPartThroughAreLeftToRays) {
     const auto holes = floor_scene(blocker(40, mask) + lamps);
     const auto open = floor_scene(blocker(40, bsdf("null")) + lamps);
     const auto whole = means_of(floor_scene(lamps), "path", 128);
-    for (const char* use : {"skip", "guide"}) {
-        SCOPED_TRACE(use);
-        auto half = means_of(holes, label(use, "1e5"), 128);
-        for (std::size_t c = 0; c < 3; ++c)
-            EXPECT_NEAR(half[c].mean() / whole[c].mean(), 0.5, 0.01);
-        expect_equal_means(means_of(open, label(use, "1e5"), 128), whole);
-    }
+    auto half = means_of(holes, label("1e5"), 128);
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(half[c].mean() / whole[c].mean(), 0.5, 0.01);
+    expect_equal_means(means_of(open, label("1e5"), 128), whole);
 }
 
 // Light through glass is a caustic, so every photon behind glass is a shadow photon.
 TEST(ShadowPhotons, GlassAndMirrorsCastShadows) {
     const auto scene = shipped_scene("lamp-in-glass.xml", {{}, std::pair{16, 16}});
-    for (const char* use : {"skip", "guide"})
-        EXPECT_EQ(mean_of(direct_of(scene, label(use, "1e4"), 4).direct).maxCoeff(), 0) << use;
+    EXPECT_EQ(mean_of(direct_of(scene, label("1e4"), 4).direct).maxCoeff(), 0);
 }
 
 // The lights are two lamps (one with a dark half), a point, a spot, sunlight and sky. A
@@ -312,21 +189,15 @@ TEST(ShadowPhotons, EveryKindOfLightIsRight) {
         emitter("directional", vector("direction", 0.3, 0.4, -1), rgb("irradiance", "1,1,0.5")) +
         constant_light("0.2,0.3,0.5"));
     const auto expected = means_of(scene, "path", 512);
-    for (const auto& [use, bias] : {std::pair{"guide", 0.0}, std::pair{"skip", 0.003}}) {
-        SCOPED_TRACE(use);
-        expect_equal_means(means_of(scene, label(use, "2e5"), 256), expected, bias);
-    }
+    expect_equal_means(means_of(scene, label("2e5"), 256), expected);
 }
 
 TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
     const auto scene = shipped_scene("many-lights.xml", {{}, std::pair{24, 18}});
-    for (const char* use : {"skip", "guide"}) {
-        // The photons are so many that regions are built in parallel.
-        const std::string text = label(use, "1e5");
-        const Image one = *render(scene, text, 1, 1, 1)[Component::direct];
-        for (const int threads : {2, 5})
-            EXPECT_EQ(one.rgb, (*render(scene, text, 1, 1, threads)[Component::direct]).rgb) << use << ' ' << threads;
-    }
+    // The photons are so many that regions are built in parallel.
+    const Image one = *render(scene, label("1e5"), 1, 1, 1)[Component::direct];
+    for (const int threads : {2, 5})
+        EXPECT_EQ(one.rgb, (*render(scene, label("1e5"), 1, 1, threads)[Component::direct]).rgb) << threads;
 }
 
 TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
@@ -338,8 +209,8 @@ TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
     };
     EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper shadow_photons=1e4"), "runs");
     EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper"), "no photons are asked for");
-    EXPECT_EQ(reason_of("many-lights.xml", label("guide", "1e4", "max_depth=1")), "lights are not sampled");
-    EXPECT_EQ(reason_of("fog.xml", label("guide", "1e4")), "media dim light on its way, which only rays can tell");
+    EXPECT_EQ(reason_of("many-lights.xml", label("1e4", "max_depth=1")), "lights are not sampled");
+    EXPECT_EQ(reason_of("fog.xml", label("1e4")), "media dim light on its way, which only rays can tell");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // Methods that merge or look up photons with a shrinking radius: its law and its start, and caustics with closed forms.
 
-#include "methods/parts/density/first_radius.h"
-#include "methods/parts/density/shrinking_radius.h"
+#include "methods/parts/density/radius.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/moments.h"

@@ -111,27 +111,6 @@ TEST(Radiosity, ErrorOfSmoothLightShrinksWithThePatches) {
     EXPECT_GT(std::log2(errors[0] / errors[2]) / 2, 1) << errors[0] << ' ' << errors[1] << ' ' << errors[2];
 }
 
-TEST(Radiosity, ASecondCameraCostsNoSecondSolution) {
-    const auto scene = seen_from_inside(room);
-    const auto other =
-        Scene(camera(70, to_world(look_at("0.5 0.5 0.5", "-1 -1 -1", "0 0 1")), box_film(16)), room).load();
-    Model solved(scene, {0.1, RadiositySolver::hierarchical, 0.02, 0, 1000});
-    solved.converge();
-    const auto before = solved.stages.stages();
-    RadiosityView view(*other.scene, effects_of(*other.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
-    for (std::uint32_t pass = 0; pass < 8; ++pass)
-        view.sample(pass, false);
-    const auto alone = after(other, "radiosity patch=0.1 links=0.02 max_depth=1000", 40,
-                             [](const gib::Run& run) { return run.image(); });
-    EXPECT_LT(mean_difference(*view.image()[Component::indirect], *alone[Component::indirect]),
-              0.01 * mean_of(*alone[Component::indirect]).mean());
-    const auto stages_after = solved.stages.stages();
-    ASSERT_EQ(stages_after.size(), before.size() + 1);
-    for (std::size_t i = 0; i < before.size(); ++i)
-        EXPECT_EQ(stages_after[i].seconds, before[i].seconds) << before[i].name;
-    EXPECT_EQ(stages_after.back().name, "view");
-}
-
 std::string two_sided(double albedo) { return bsdf("twosided", one_sided(std::to_string(albedo))); }
 
 /// A room without a front wall, lit from within, and what stands in it. The floor is z = -1.
@@ -226,27 +205,23 @@ TEST(Radiosity, LosesNoLightInAClosedCube) {
     }
 }
 
-// While the solution changes, images show the latest solution only.
+// While the solution changes, images show the latest solution only. The first solution, of 8 reflections in a bright room, has less
+// than half of the light: with its sample the image of the pass that ends the changes would be too dark. Samples of pixels differ
+// by less than 1 %.
 TEST(Radiosity, SamplesOfAnOlderSolutionDoNotCount) {
-    const auto scene = seen_from_inside(room);
-    Model solved(scene, {0.2, RadiositySolver::hierarchical, 0.02, 0, 1000});
-    const auto view = [&] {
-        return RadiosityView(*scene.scene, effects_of(*scene.scene), &solved.model, {1000, true, 0}, 1, solved.stages);
+    const auto scene = seen_from_inside(hollow_cube(one_sided("0.95")) + point_light(0.3, 0.2, 0.6, 1));
+    const std::string label = "radiosity patch=0.2 links=0.02 max_depth=1000";
+    const auto mean_after = [&](std::uint32_t passes) {
+        return after(scene, label, passes,
+                     [](const gib::Run& run) { return double{mean_of(*run.image()[Component::indirect]).mean()}; });
     };
-    RadiosityView changed = view();
-    solved.model.advance();
-    changed.sample(0, true);
-    const double early = mean_of(*changed.image()[Component::indirect]).mean();
-    solved.converge();
-    RadiosityView fresh = view();
-    for (std::uint32_t pass = 1; pass < 3; ++pass) {
-        changed.sample(pass, pass == 1);
-        fresh.sample(pass, pass == 1);
-    }
-    EXPECT_EQ(changed.image()[Component::indirect]->rgb, fresh.image()[Component::indirect]->rgb);
-    const double late = mean_of(*fresh.image()[Component::indirect]).mean();
-    EXPECT_GT(early, 0.3 * late);
-    EXPECT_LT(early, 0.99 * late);
+    std::uint32_t passes = 1;
+    while (facts_of(scene, label, passes)["converged"] != "yes")
+        ++passes;
+    const double first = mean_after(1), last = mean_after(passes), later = mean_after(passes + 16);
+    EXPECT_GT(passes, 1u);
+    EXPECT_LT(first, 0.5 * later);
+    EXPECT_NEAR(last, later, 0.01 * later);
 }
 
 // A floor lies under a plate that is lit from above and reflects on its upper side only.

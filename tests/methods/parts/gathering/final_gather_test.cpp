@@ -72,12 +72,11 @@ TEST(FinalGather, ErrorsShrinkAsPhotonsRaysAndAccuracyGrow) {
     const Image truth = *render(box, "photon_mapper source=paths gather=256 photons=0", 64, 99)[Component::indirect];
     for (const std::string source : {"irradiance", "paths"}) {
         double previous = infinity;
-        for (const char* effort : {"photons=3000 gather=32 accuracy=0.6 min_spacing=0.008",
-                                   "photons=3e4 gather=128 accuracy=0.3 min_spacing=0.004",
-                                   "photons=3e5 gather=1024 accuracy=0.15 min_spacing=0.002"}) {
-            const Image image = *render(
-                box, std::string("photon_mapper k=auto cache=on spacing=diagonals ") + effort + " source=" + source,
-                8)[Component::indirect];
+        for (const char* effort : {"photons=3000 gather=32 accuracy=0.6", "photons=3e4 gather=128 accuracy=0.3",
+                                   "photons=3e5 gather=1024 accuracy=0.15"}) {
+            const Image image =
+                *render(box, std::string("photon_mapper k=auto cache=on ") + effort + " source=" + source,
+                        8)[Component::indirect];
             const double error = relative_error(image, truth);
             EXPECT_LT(error, 0.7 * previous) << effort << ' ' << source;
             previous = error;
@@ -130,7 +129,6 @@ TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
     EXPECT_FALSE(paths.runs("global map") || paths.runs("precomputed irradiance") || paths.runs("irradiance cache"));
     EXPECT_FALSE(plan_of("fog.xml", {{"photons", "1000"}, {"gather", "16"}}).runs("final gathering"));
     EXPECT_THROW(plan_of("cornell-box.xml", {{"cache", "on"}}), InputError);
-    EXPECT_THROW(plan_of("cornell-box.xml", {{"gather", "4"}, {"min_spacing", "9"}, {"max_spacing", "3"}}), InputError);
 }
 
 }  // namespace

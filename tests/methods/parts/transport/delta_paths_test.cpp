@@ -54,7 +54,7 @@ TEST(Pencils, PlansNameTheComponentsThatPathsFromTheCameraLookFor) {
     };
     constexpr auto direct = Component::direct, indirect = Component::indirect, volume = Component::volume,
                    caustic = Component::caustic;
-    for (const std::string label : {"path", "guided_path", "vcm techniques=path_tracing"}) {
+    for (const std::string label : {"path", "guided_path"}) {
         EXPECT_THAT(unresolved(laser, label), UnorderedElementsAre(direct, indirect)) << label;
         EXPECT_THAT(unresolved(laser + fog, label), UnorderedElementsAre(direct, indirect, volume)) << label;
         EXPECT_THAT(unresolved(laser + mirror, label), UnorderedElementsAre(direct, indirect, caustic)) << label;

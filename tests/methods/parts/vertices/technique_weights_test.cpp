@@ -6,6 +6,7 @@
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"
+#include "methods/vcm/merge_rule.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/moments.h"
 
@@ -23,8 +24,27 @@ struct WholePath {
     Vec3 camera;
 };
 
+/// n of merging at x_i, entry i - 1 of the result; 0 where it is not merged.
+std::vector<double> merges_of(RayQueries&, const NoMerging&, const WholePath& path) {
+    return std::vector<double>(path.inner.size(), 0);
+}
+std::vector<double> merges_of(RayQueries& rays, const MergeRule& rule, const WholePath& path) {
+    std::vector<double> n;
+    for (std::size_t i = 0; i < path.inner.size(); ++i) {
+        const PathVertex& at = path.inner[i];
+        const bool follows_focus =
+            i > 0 && path.inner[i - 1].hit && focuses(*path.inner[i - 1].hit, path.inner[i - 1].from);
+        const bool is_merged = rule.merges == Merges::everywhere || follows_focus;
+        n.push_back(!is_merged ? 0
+                    : at.hit   ? rule.radii.n_at(rays, *at.hit, at.from)
+                               : rule.radii.n_at(*at.medium, at.p));
+    }
+    return n;
+}
+
 /// p_s^2 over the sum of p_j^2, merging included, by the definitions of technique_sums.h; entry s of the result.
-std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const PathRules& rules,
+template <typename Rule>
+std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const PathRules& rules, const Rule& added,
                                const WholePath& path) {
     const gib::Scene& scene = rays.scene();
     const auto& x = path.inner;
@@ -76,15 +96,13 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
         for (std::size_t i = s; i <= n; ++i)
             density *= backward[i];
         if (s == n + 1) density *= paths.count;
-        if (s == n && s >= 2) density *= rules.first_samples;  // at the first vertex of the camera's walk
+        if (s == n && s >= 2) density *= rules.first_samples();  // at the first vertex of the camera's walk
         p.push_back(squared(density));
     }
     double sum = std::accumulate(p.begin(), p.end(), 0.0);
+    const std::vector<double> merges = merges_of(rays, added, path);
     for (std::size_t i = 1; i <= n; ++i) {
-        const PathVertex& at = x[i - 1];
-        const bool follows_focus = i > 1 && x[i - 2].hit && focuses(*x[i - 2].hit, x[i - 2].from);
-        if (rules.used.merges != Merges::everywhere && !follows_focus) continue;
-        double density = at.hit ? rules.merging.n_at(rays, *at.hit, at.from) : rules.merging.n_at(*at.medium, at.p);
+        double density = merges[i - 1];
         for (std::size_t j = 1; j <= i; ++j)
             density *= forward[j];
         for (std::size_t j = i; j <= n; ++j)
@@ -96,11 +114,11 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
     return p;
 }
 
-void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, const MergeRadii& merging = {},
-                    double first_samples = 1) {
+template <typename Rule = NoMerging>
+void expect_weights(const LoadedScene& loaded, const Rule& added = {}, std::size_t shared_paths = 1) {
     const gib::Scene& scene = *loaded.scene;
     constexpr int longest = 6;
-    const PathRules rules{longest, {.merges = merges}, merging, 1, first_samples};
+    const PathRules rules{.max_edges = longest, .shared_paths = shared_paths};
     Plan plan = described_plan(scene, find_method("bidirectional"));
     add_light_paths(plan, scene, longest);
     StageTimes stages;
@@ -110,7 +128,7 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
     // A weight is the quotient of products of up to a dozen densities in float, whose directions are rounded most
     // where vertices are close to each other.
     const auto check = [&](const WholePath& path, std::size_t s, float weight) {
-        const double expected = weights_of(rays, paths, rules, path)[s];
+        const double expected = weights_of(rays, paths, rules, added, path)[s];
         EXPECT_NEAR(double{weight}, expected, 3e-3 * expected + 1e-6) << "s = " << s << " of " << path.inner.size() + 1;
         ++checked;
     };
@@ -120,7 +138,7 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
         if (!start) continue;
         std::vector<PathVertex> from_light, from_camera;
         LightWalk(
-            rays, light_sampler, paths, rules, *start,
+            rays, light_sampler, paths, rules, added, *start,
             [&](const PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
                 from_light.push_back(vertex);
                 const auto view = scene.sensor().view_of(vertex.p, Vec2(0.5f, 0.5f));
@@ -135,11 +153,11 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
         rays.trace(eye);
         PixelSample lost;
         CameraWalk(
-            rays, eye, sampler, paths, rules, lost, [](const FoundLight&) {},
-            [&](PathVertex& vertex, const VertexNumbers&, NumberStream& flights) {
+            rays, eye, sampler, paths, rules, added, lost, [](const FoundLight&) {},
+            [&](PathVertex& vertex, auto& along, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
-                    if (from_light[s - 1].sums.merging().focuses()) tell_n(rules.merging, rays, vertex);
+                    along.join(rays, vertex, from_light[s - 1]);
                     const auto joined = connect(rays, vertex, from_light[s - 1], paths, rules, flights);
                     if (!joined) continue;
                     WholePath path{start->sample,
@@ -153,6 +171,8 @@ void expect_weights(const LoadedScene& loaded, Merges merges = Merges::none, con
     }
     EXPECT_GT(checked, 200u);
 }
+
+const MergeRadii merging = {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}};
 
 // Breaking any factor of the recursion or of a connection's weight makes one of these fail.
 TEST(TechniqueWeights, OfLightsWithASurfaceAreThoseOfTheDensities) {
@@ -171,13 +191,14 @@ TEST(TechniqueWeights, BesideMergingAreThoseOfTheDensities) {
     for (const Merges merges : {Merges::behind_focus, Merges::everywhere})
         for (const LoadedScene& scene :
              {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point}), room({.light = sky})})
-            expect_weights(scene, merges, {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}});
+            expect_weights(scene, MergeRule{merges, merging});
 }
 TEST(TechniqueWeights, OfSharedConnectionsAreThoseOfTheDensities) {
-    const MergeRadii merging{.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}};
-    for (const LoadedScene& scene : {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point})})
-        for (const Merges merges : {Merges::none, Merges::behind_focus, Merges::everywhere})
-            expect_weights(scene, merges, merges == Merges::none ? MergeRadii{} : merging, 4);
+    for (const LoadedScene& scene : {room({.light = lamp, .more = fog}), room({.light = lit_rooms::point})}) {
+        expect_weights(scene, NoMerging(), 16);
+        for (const Merges merges : {Merges::behind_focus, Merges::everywhere})
+            expect_weights(scene, MergeRule{merges, merging}, 16);
+    }
 }
 TEST(TechniqueWeights, OfParallelRaysOfTheCameraAreThoseOfTheDensities) {
     expect_weights(room({.light = lamp, .sensor = "orthographic"}));

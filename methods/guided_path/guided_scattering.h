@@ -2,7 +2,7 @@
 // Scattering at a surface by a field of light or importance beside the bsdf: one-sample multiple importance sampling
 // (Veach and Guibas 1995; Mueller et al. 2017, section 3).
 
-#include "methods/parts/guiding/radiance_field.h"
+#include "methods/guided_path/radiance_field.h"
 #include "methods/parts/transport/scattered_ray.h"
 
 namespace gib {

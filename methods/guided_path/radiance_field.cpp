@@ -1,4 +1,6 @@
-#include "methods/parts/guiding/radiance_field.h"
+#include "methods/guided_path/radiance_field.h"
+
+#include "methods/parts/stored_light/stored_light.h"
 
 #include "common/sampling/warp.h"
 

@@ -1,8 +1,7 @@
-#include "methods/parts/vertices/light_vertex_map.h"
+#include "methods/vcm/light_vertex_map.h"
 
-#include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/ball_kernel.h"
 #include "methods/parts/density/surface_disc.h"
-#include "methods/parts/density/volume_estimate.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
 #include "methods/parts/photons/blocks_within_memory.h"
 #include "methods/parts/photons/photon_join.h"
@@ -34,24 +33,25 @@ Color merged_power(const PathVertex& vertex) {
 /// One merge: sums the light of a vertex's neighbours.
 class Merge {
 public:
-    Merge(const PathVertex& eye, const PathRules& rules, Kernel kernel, double power, BiasedSample& sample)
+    Merge(const PathVertex& eye, const PathRules& rules, const MergeRadii& radii, Kernel kernel, double power,
+          BiasedSample& sample)
         : eye_(eye),
           kernel_(kernel),
-          radius_(
-              static_cast<float>(eye.hit ? rules.merging.on_surfaces : rules.merging.radius_at(*eye.medium, eye.p))),
+          radius_(static_cast<float>(eye.hit ? radii.on_surfaces : radii.radius_at(*eye.medium, eye.p))),
           power_(power),
-          samples_of_connection_(eye.is_first ? rules.first_samples : 1),
+          samples_of_connection_(eye.is_first ? rules.first_samples() : 1),
           path_{rules.max_edges - eye.edges, eye.stratum},
           sample_(sample),
           normal_(eye.hit ? normal_towards(*eye.hit, eye.from) : Vec3::Zero()),
           transmits_(eye.hit && eye.hit->bsdf->traits().transmission) {}
 
-    /// Bounds the radius, which is the largest of all places at first, by that of the vertex, whose n has been told. Returns
+    /// Bounds the radius, which is the largest of all places at first, by that of the vertex, which is that of its n. Returns
     /// whether the disc has to be cut where its surface ends: only that of a small body, because the rays cost more than they
     /// bring at the rims of large surfaces.
-    bool bound_radius(const MergeRadii& radii) {
+    bool bound_radius(const MergeRadii& radii, double n) {
+        n2_ = squared(n);
         if (!eye_.hit) return true;
-        const double share = radii.radius_of(std::sqrt(eye_.sums.merging().n2())) / radii.on_surfaces;
+        const double share = radii.radius_of(n) / radii.on_surfaces;
         if (share > 0.75) return false;  // it is 1 there, or a half at most
         radius_ *= static_cast<float>(share);
         return true;
@@ -126,9 +126,9 @@ private:
     }
     double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
         const double d_vcm = (light.edges > 1 ? squared(samples_of_connection_) : 1) * light.d_vcm;
-        const double others = eye_.sums.besides_merging(pdf.to_camera) +   // (39) times n^2
+        const double others = eye_.sums.besides_both(pdf.to_camera) +      // (39) times n^2
                               d_vcm + light.d_vc * squared(pdf.to_light);  // (38) times n^2
-        return 1 / (1 + others / eye_.sums.merging().n2());                // (37)
+        return 1 / (1 + others / n2_);                                     // (37)
     }
     void add_weighted(const LightVertex& light, const LobeValues& f, double density, double narrow, double weight) {
         const Colord arriving = weight * power_ * light.power().cast<double>() * path_.weight(light).cast<double>();
@@ -148,6 +148,7 @@ private:
     Kernel kernel_;
     float radius_;
     double power_;
+    double n2_ = 0;
     double samples_of_connection_;  ///< with the vertex before the light's
     EyePath path_;
     BiasedSample& sample_;
@@ -171,23 +172,23 @@ LightVertex::LightVertex(const PathVertex& vertex)
                       vertex.hit.has_value()},
       p(vertex.p) {}
 
-LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
-                               std::uint64_t& rays)
-    : power_of_path_(paths.power / rules.merging.light_paths) {
+LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules,
+                               const MergeRule& rule, std::uint64_t seed, std::uint64_t& rays)
+    : power_of_path_(paths.power / rule.radii.light_paths) {
     PathRules limited = rules;
     limited.max_edges = std::min(rules.max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, merged_walks);
     auto blocks = blocks_within_memory(
-        static_cast<std::size_t>(rules.merging.light_paths), walks_per_block, &Block::vertices, bytes_per_vertex,
+        static_cast<std::size_t>(rule.radii.light_paths), walks_per_block, &Block::vertices, bytes_per_vertex,
         "the light paths of a pass", [&](Block& block, std::size_t begin, std::size_t end) {
             RayQueries queries(scene);
             for (std::size_t i = begin; i < end; ++i) {
                 const Sampler sampler(PointSet::independent, key, i, 0);
                 const auto start = paths.emission.sample(sampler);
                 if (!start) continue;
-                LightWalk(queries, sampler, paths, limited, *start,
+                LightWalk(queries, sampler, paths, limited, rule, *start,
                           [&](const PathVertex& vertex, const VertexNumbers&, NumberStream&) {
-                              if (vertex.sums.merging().applies(false)) block.vertices.emplace_back(vertex);
+                              if (vertex.sums.from_both() > 0) block.vertices.emplace_back(vertex);
                           })
                     .follow();
             }
@@ -198,13 +199,13 @@ LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, cons
     vertices_ = KdTree<LightVertex>(joined(blocks, &Block::vertices));
 }
 
-void LightVertexMap::merge(PathVertex& eye, const PathRules& rules, Kernel kernel, RayQueries& rays, NumberStream& u,
+void LightVertexMap::merge(const PathVertex& eye, MergeRule::AlongCamera& along, const PathRules& rules,
+                           const MergeRadii& radii, Kernel kernel, RayQueries& rays, NumberStream& u,
                            BiasedSample& sample) const {
     if (vertices_.size() == 0) return;
-    Merge merge(eye, rules, kernel, power_of_path_, sample);
+    Merge merge(eye, rules, radii, kernel, power_of_path_, sample);
     if (!merge.finds_any(vertices_)) return;
-    tell_n(rules.merging, rays, eye);
-    if (merge.bound_radius(rules.merging)) {
+    if (merge.bound_radius(radii, along.n_at(rays, eye))) {
         if (!merge.finds_any(vertices_)) return;
         merge.look_around(rays, u);
     }

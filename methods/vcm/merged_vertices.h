@@ -2,8 +2,8 @@
 // Merging over the passes of a run: the vertices of the light paths of the present pass, and the radii, which shrink from
 // pass to pass.
 
-#include "methods/parts/density/shrinking_radius.h"
-#include "methods/parts/vertices/light_vertex_map.h"
+#include "methods/parts/density/radius.h"
+#include "methods/vcm/light_vertex_map.h"
 
 namespace gib {
 
@@ -16,26 +16,38 @@ inline constexpr double most_merged = 2.5;
 inline constexpr std::string_view step_merging = "merging";
 
 struct MergingSettings {
-    double alpha;  ///< parts/density/shrinking_radius.h
+    Merges merges;
+    double alpha;  ///< parts/density/radius.h
     Kernel kernel;
     double radius;           ///< radius of the first pass [scene diagonals]; 0: found from its light paths
     double radius_in_media;  ///< the same
     std::uint64_t first_pass;
 };
 
+/// What vcm adds to bidirectional path tracing; see NoMerging.
 class MergedVertices {
 public:
-    /// `follows_specular`: false where no surface is specular. The scene and the paths must outlive this.
-    MergedVertices(const Scene& scene, const LightPaths& paths, const MergingSettings& settings, bool follows_specular,
-                   std::uint64_t seed);
+    using Sample = BiasedSample;
+    using Film = BiasedFilm;
 
-    /// Follows the light paths of a pass; adds the rays traced to `rays`. The densities of merging in the pass are part of
-    /// the paths' weights and are written into `rules` first.
-    void start_pass(std::uint32_t pass, PathRules& rules, std::uint64_t& rays);
+    /// `follows_specular`: false where no surface is specular. The scene and the paths must outlive this.
+    MergedVertices(const Scene& scene, const LightPaths& paths, const PathRules& rules, const MergingSettings& settings,
+                   bool follows_specular, std::uint64_t seed);
+
+    const MergeRule& rule() const { return rule_; }
+    bool is_alone() const { return rule_.is_alone(); }
+    static BiasedFilm film(const Sensor& sensor, const ShownComponents& shown) {
+        return {sensor.width(), sensor.height(), shown.accumulated, shown.black, shown.accumulated};
+    }
+    static PixelSample& light_of(BiasedSample& sample) { return sample.light; }
+
+    /// Follows the light paths of a pass, whose radii are then those of the rule; adds the rays traced to `rays`.
+    void start_pass(std::uint32_t pass, StageTimes& stages, std::uint64_t& rays);
 
     /// Adds the light that the vertex of a camera's walk takes from the vertices around it.
-    void merge(PathVertex& eye, const PathRules& rules, RayQueries& rays, NumberStream& u, BiasedSample& sample) const {
-        map_.merge(eye, rules, settings_.kernel, rays, u, sample);
+    void merge(const PathVertex& eye, MergeRule::AlongCamera& along, RayQueries& rays, NumberStream& u,
+               BiasedSample& sample) const {
+        map_.merge(eye, along, rules_, rule_.radii, settings_.kernel, rays, u, sample);
     }
 
     std::uint64_t light_paths() const { return light_paths_; }  ///< followed in the passes so far
@@ -43,11 +55,13 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const;
 
 private:
-    void find_first_radii(PathRules rules, std::uint64_t seed, std::uint64_t& rays);
+    void find_first_radii(std::uint64_t seed, std::uint64_t& rays);
 
     const Scene& scene_;
     const LightPaths& paths_;
+    PathRules rules_;
     MergingSettings settings_;
+    MergeRule rule_;
     ShrinkingRadius shrinking_;
     bool follows_specular_;
     std::uint64_t seed_;

@@ -1,4 +1,4 @@
-#include "methods/parts/guiding/guided_scattering.h"
+#include "methods/guided_path/guided_scattering.h"
 
 namespace gib {
 

@@ -1,6 +1,6 @@
-#include "methods/parts/photons/find_guide.h"
-
+// Whether light is guided, which a pilot tells: LightPolicy::find().
 #include "methods/parts/guiding/importons.h"
+#include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/photon_walk.h"
 
 #include <algorithm>
@@ -8,8 +8,6 @@
 namespace gib {
 
 namespace {
-
-constexpr std::array<std::string_view, 3> guiding_names = {"auto", "on", "off"};
 
 constexpr std::uint64_t pilot_key = 0x9071;  // keeps the pilot's numbers apart from those of the image
 constexpr std::uint64_t pilot_photons = 4096;
@@ -32,7 +30,7 @@ class Pilot {
 public:
     Pilot(const Scene& scene, const LightUse& use, std::uint64_t seed)
         : scene_(scene), use_(use), seed_(combine_keys(seed, pilot_key)) {
-        const ImportonPlaces eyes = follow_importons(scene, use, pilot_eyes, seed_, nullptr);
+        const ImportonPlaces eyes = follow_importons(scene, use.max_edges, pilot_eyes, seed_, nullptr);
         rays_ = eyes.rays;
         cells_.emplace(scene, eyes.used);
         seen_ = cells_->weights(eyes.used);
@@ -65,24 +63,9 @@ private:
 
 }  // namespace
 
-Parameter guide_parameter(Guiding unless_given) {
-    std::vector<std::string> names = strings(guiding_names);
-    std::rotate(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(unless_given), names.end());
-    return choice_parameter(
-        "guide", std::move(names),
-        "light's paths follow the importance that walks from the camera find; auto: where most light "
-        "would never be used");
-}
-
-Guiding guiding_of(const ParameterValues& values) { return chosen<Guiding>(guiding_names, values.choice("guide")); }
-
-void add_importons(Plan& plan, Guiding guiding, std::string why_not) {
-    plan.add(step_importons, guiding == Guiding::off ? "guide=off" : std::move(why_not));
-}
-
-std::shared_ptr<const LightGuide> find_guide(const Scene& scene, Guiding guiding, const LightUse& of_method,
-                                             const Plan& plan, std::uint64_t seed, StageTimes& stages,
-                                             std::uint64_t& rays) {
+std::shared_ptr<const LightPolicy> LightPolicy::find(const Scene& scene, Guiding guiding, const LightUse& of_method,
+                                                     const Plan& plan, std::uint64_t seed, StageTimes& stages,
+                                                     std::uint64_t& rays) {
     if (!plan.runs(step_importons)) return nullptr;
     LightUse use = of_method;
     use.max_edges = std::min(use.max_edges, most_edges);

@@ -9,7 +9,7 @@
 #include "methods/parts/kd_tree/kd_tree.h"
 #include "methods/parts/photons/photon.h"
 #include "methods/parts/vertices/light_paths.h"
-#include "methods/parts/vertices/path_vertex.h"
+#include "methods/vcm/merge_rule.h"
 
 namespace gib {
 
@@ -36,10 +36,10 @@ extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& poin
 class LightVertexMap {
 public:
     LightVertexMap() = default;
-    /// Follows the light paths of a pass, as many as `rules.merging` says; adds the rays traced to `rays`. The result is the
+    /// Follows the light paths of a pass, as many as `rule` says; adds the rays traced to `rays`. The result is the
     /// same for any number of threads. Throws InputError if the vertices would need more memory than there is.
-    LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, std::uint64_t seed,
-                   std::uint64_t& rays);
+    LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules, const MergeRule& rule,
+                   std::uint64_t seed, std::uint64_t& rays);
 
     const KdTree<LightVertex>& vertices() const { return vertices_; }
 
@@ -49,8 +49,8 @@ public:
     /// geometric normal, and the share phi of the kernel's disc that lies on the surface (density_estimate.h), which is taken
     /// to be 1 where the radius of the place is the largest. In a medium the phase function stands for f and the cosines, and
     /// phi is the share of the ball in sight.
-    void merge(PathVertex& eye, const PathRules& rules, Kernel kernel, RayQueries& rays, NumberStream& u,
-               BiasedSample& sample) const;
+    void merge(const PathVertex& eye, MergeRule::AlongCamera& along, const PathRules& rules, const MergeRadii& radii,
+               Kernel kernel, RayQueries& rays, NumberStream& u, BiasedSample& sample) const;
 
 private:
     KdTree<LightVertex> vertices_;

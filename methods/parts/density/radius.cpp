@@ -1,8 +1,8 @@
-#include "methods/parts/density/first_radius.h"
+#include "methods/parts/density/radius.h"
 
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
-#include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/kernel.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <fmt/format.h>
@@ -119,17 +119,11 @@ TriedRadius try_radius(double r, const PhotonMap& photons, const std::vector<Tri
 SeenPlaces seen_places(const Scene& scene, const WalkSettings& settings, std::uint64_t seed, std::uint64_t& rays) {
     SeenPlaces places;
     RayQueries queries(scene);
-    const Sensor& sensor = scene.sensor();
-    const std::size_t pixels = static_cast<std::size_t>(sensor.width()) * static_cast<std::size_t>(sensor.height());
-    const std::uint64_t key = combine_keys(seed, places_key);
-    for (std::size_t i = 0; i < wanted_paths; ++i) {
-        const std::size_t pixel = i * pixels / wanted_paths;
-        for_each_pixel(queries, PointSet::independent, key, static_cast<std::uint32_t>(i), pixel, pixel + 1,
-                       [&](std::size_t, const TracedRay& eye, const Sampler& sampler) {
-                           PlacesVisitor visitor{places};
-                           follow_specular_path(queries, sampler, eye, scene.camera_medium(), settings, visitor);
-                       });
-    }
+    for_paths_over_image(queries, combine_keys(seed, places_key), 0, wanted_paths, wanted_paths,
+                         [&](const TracedRay& eye, const Sampler& sampler) {
+                             PlacesVisitor visitor{places};
+                             follow_specular_path(queries, sampler, eye, scene.camera_medium(), settings, visitor);
+                         });
     rays += queries.count();
     return places;
 }

@@ -1,0 +1,152 @@
+#pragma once
+// The estimate of a pixel by paths from both ends: every path from the camera is joined with paths from lights in all ways.
+
+#include "common/images/splat_film.h"
+#include "methods/parts/transport/pixel_samples.h"
+#include "methods/parts/vertices/camera_walk.h"
+#include "methods/parts/vertices/connections.h"
+#include "methods/parts/vertices/light_walk.h"
+#include "methods/parts/vertices/shared_vertices.h"
+#include "methods/parts/vertices/technique_pyramid.h"
+
+#include <functional>
+#include <optional>
+
+namespace gib {
+
+/// The parts of a run that the estimates of all samples share. `Merging` is NoMerging or what a method adds.
+template <typename Merging>
+struct JoinedPaths {
+    const LightPaths& paths;
+    PathRules rules;
+    const SplatFilm& film;  ///< of the light paths that reach the camera
+    const Merging& merging;
+    TechniquePyramid* pyramid = nullptr;  ///< null: no images of techniques are kept
+};
+
+/// The estimate of the samples of some pixels in one pass, in groups if they share their light paths.
+template <typename Merging>
+class JoinedPathsEstimate {
+public:
+    /// Takes the light of a light path that reaches the camera in some pixel, in the unit of connect_to_camera().
+    using Splats = std::function<void(std::size_t pixel, const PixelSample& light)>;
+
+    JoinedPathsEstimate(const JoinedPaths<Merging>& joined, const Pass& pass, Splats splats)
+        : joined_(joined), rules_(joined.rules), pass_(pass), splats_(std::move(splats)) {}
+
+    /// Follows the light paths of the pixels that share theirs, before their samples, which come in this order.
+    void start_group(RayQueries& rays, std::span<const PixelPlace> places) {
+        light_vertices_.clear();
+        next_ = 0;
+        for (const PixelPlace& at : places)
+            follow_light(rays, Sampler(rules_.points, pass_.seed, at.index, pass_.number));
+    }
+
+    /// The light of the paths from the camera that end in this pixel.
+    typename Merging::Sample operator()(RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                                        std::size_t pixel) {
+        pixel_ = pixel;
+        const bool shares = rules_.shared_paths > 1;
+        const std::size_t own = shares ? next_++ : 0;
+        if (!shares) {
+            light_vertices_.clear();
+            follow_light(rays, sampler);
+        }
+        typename Merging::Sample sample;
+        PixelSample& light = Merging::light_of(sample);
+        CameraWalk(
+            rays, eye, sampler, joined_.paths, rules_, joined_.merging.rule(), light,
+            [&](const FoundLight& found) { add_found(found, light); },
+            [&](PathVertex& vertex, auto& along, const VertexNumbers& u, NumberStream& flights) {
+                joined_.merging.merge(vertex, along, rays, flights, sample);
+                if (joined_.merging.is_alone()) return;
+                if (rules_.light_sampling && vertex.edges + 1 >= rules_.min_edges)
+                    add(1, vertex.edges + 1, connect_to_light(rays, vertex, joined_.paths, u, flights), light);
+                const auto join = [&](const PathVertex& from_light, double factor) {
+                    along.join(rays, vertex, from_light);
+                    return connect_with(rays, vertex, from_light, factor, flights, light);
+                };
+                if (vertex.is_first && shares) return light_vertices_.join_first(flights, join);
+                for (const PathVertex& from_light : light_vertices_.path(own))
+                    join(from_light, 1);
+            })
+            .follow();
+        return sample;
+    }
+
+private:
+    static constexpr std::uint64_t light_path = 1,
+                                   light_in_view = 2;  ///< tags of the light path's numbers, and of this point's
+
+    static void add_weighted(const Connection& path, PixelSample& sample) {
+        for (std::size_t c = 0; c < sample.parts.size(); ++c)
+            if (!is_black(path.light.parts[c])) sample.parts[c] += path.weight * path.light.parts[c];
+    }
+    void add(int s, int t, const std::optional<Connection>& path, PixelSample& light) {
+        if (!path) return;
+        add_weighted(*path, light);
+        if (joined_.pyramid) joined_.pyramid->add(s, t, pixel_, *path, 1);
+    }
+
+    void add_found(const FoundLight& found, PixelSample& light) {
+        if (found.edges < rules_.min_edges) return;
+        Connection path{.light = {}, .weight = found.weight};
+        path.light[found.path_class.component()] = found.radiance;
+        add(0, found.edges + 1, path, light);
+    }
+
+    /// Connects two vertices, and adds what this makes times `factor`. Returns its size without the factor.
+    double connect_with(RayQueries& rays, const PathVertex& eye, const PathVertex& from_light, double factor,
+                        NumberStream& flights, PixelSample& light) {
+        const int edges = eye.edges + 1 + from_light.edges;
+        if (edges < rules_.min_edges || edges > rules_.max_edges) return 0;
+        auto path = connect(rays, eye, from_light, joined_.paths, rules_, flights);
+        if (!path) return 0;
+        const double size = path->size();
+        for (Color& part : path->light.parts)
+            part *= static_cast<float>(factor);
+        add(from_light.edges + 1, eye.edges + 1, path, light);
+        return size;
+    }
+
+    /// Connects a point of a light and the vertices of a light path to the camera, and keeps the vertices.
+    void follow_light(RayQueries& rays, const Sampler& sampler) {
+        light_vertices_.begin_path();
+        if (!rules_.connects || joined_.merging.is_alone()) return;
+        if (rules_.light_sampling && rules_.min_edges <= 1) {
+            const Sampler numbers = sampler.split(0, 1, light_in_view);
+            NumberStream flights(numbers);
+            splat(sample_light_from_camera(rays, joined_.paths, joined_.film, true, numbers.at_vertex(0), flights), 1);
+        }
+        const Sampler light_sampler = sampler.split(0, 1, light_path);
+        const auto start = joined_.paths.emission.sample(light_sampler);
+        if (!start) return;
+        LightWalk(rays, light_sampler, joined_.paths, rules_, joined_.merging.rule(), *start,
+                  [&](const PathVertex& vertex, const VertexNumbers& u, NumberStream& flights) {
+                      if (vertex.edges + 1 >= rules_.min_edges)
+                          splat(connect_to_camera(rays, vertex, joined_.paths, rules_, joined_.film,
+                                                  {u.light_position(), u.light_choice()}, flights),
+                                vertex.edges + 1);
+                      light_vertices_.add(vertex);
+                  })
+            .follow();
+    }
+
+    void splat(const std::optional<Splat>& splat, int s) {
+        if (!splat) return;
+        if (joined_.pyramid) joined_.pyramid->add(s, 1, splat->pixel, splat->connection, 1 / joined_.paths.count);
+        PixelSample weighted;
+        add_weighted(splat->connection, weighted);
+        splats_(splat->pixel, weighted);
+    }
+
+    const JoinedPaths<Merging>& joined_;
+    const PathRules& rules_;
+    const Pass& pass_;
+    Splats splats_;
+    std::size_t pixel_ = 0;
+    SharedVertices<PathVertex> light_vertices_;
+    std::size_t next_ = 0;  ///< the group's pixel whose sample comes next
+};
+
+}  // namespace gib
