@@ -15,8 +15,6 @@
 
 namespace gib {
 
-struct StoredCell;
-
 class RadianceField {
     /// A square of directions in four quadrants. Children stand behind their parents.
     struct Node {

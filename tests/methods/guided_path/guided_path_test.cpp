@@ -1,7 +1,6 @@
 // Path guiding: whatever the field has learned, right or wrong, images have the means of path tracing.
 
 #include "methods/guided_path/guided_directions.h"
-#include "methods/parts/stored_light/stored_light.h"
 #include "methods/parts/transport/pixel_samples.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/same_means.h"

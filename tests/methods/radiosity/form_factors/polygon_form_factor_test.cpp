@@ -140,15 +140,6 @@ TEST(PolygonFormFactor, FoldedStripsHaveThatOfCrossedStrings) {
     }
 }
 
-/// Sector k of n, a triangle, of a regular polygon around the z axis at the height z. The polygon circumscribes the
-/// disc of the radius (`outside`) or is inscribed in it.
-PatchPolygon sector(double radius, double z, int k, int n, bool outside, bool up) {
-    const double r = outside ? radius / std::cos(pi_d / n) : radius;
-    const auto at = [&](int i) { return Vec3d(r * std::cos(2 * pi_d * i / n), r * std::sin(2 * pi_d * i / n), z); };
-    const PatchPolygon upwards = PatchPolygon::triangle({0, 0, z}, at(k), at(k + 1));
-    return up ? upwards : upwards.flipped();
-}
-
 // Laws that every form factor obeys: rows of closed scenes sum up to 1, reciprocity, agreement with rays.
 
 /// The relative tolerance of these laws.
