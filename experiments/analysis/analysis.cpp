@@ -100,10 +100,9 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
 void test_energy(TableRow& row, const ResultIndex& index, const Judgement& judgement, const std::vector<Image>& images,
                  const ReferenceLayer& reference, const Components& left_out, double unmet) {
     if (!row.footing || !is_unbiased_by_theory(row, left_out)) return;
+    if (!find_method(MethodLabel::parse(row.method).name).samples_pixels_alone) return;
     const std::size_t rows = index.scenes.size() * index.methods.size() * (component_count + 1);
-    const SampledLight sampled{.passes = row.least_passes,
-                               .brightest = judgement.brightest_light(),
-                               .pixels_alone = find_method(MethodLabel::parse(row.method).name).samples_pixels_alone};
+    const SampledLight sampled{.passes = row.least_passes, .brightest = judgement.brightest_light()};
     const auto test =
         energy_test(images, sampled, reference, *row.footing, unmet, energy_alpha / static_cast<double>(rows));
     if (!test || !test->is_rejected) return;

@@ -10,13 +10,13 @@
 // told from a loss unless D holds more than 2 ln(1 / alpha) of them. This is why the test does not accuse a path tracer that has not
 // yet found a small lamp.
 //
-// s is the largest of three sizes, each as a part of X. (1) Twice the brightest emitted radiance: combined with multiple importance
+// s is the larger of two sizes, each as a part of X. (1) Twice the brightest emitted radiance: combined with multiple importance
 // sampling, a path brings its throughput times the radiance at most, and roulette and guiding may raise a throughput above 1.
-// (2) The largest excess of a pixel over the reference, as if one sample had made it. (3) The variance of the images' energies over
-// their mean: the mean size, weighed by size, of events that light many pixels (compound Poisson process).
+// (2) The largest excess of a pixel over the reference, as if one sample had made it: lights at a point have no brightest radiance.
 //
-// V: where every sample lights its own pixel alone, pixels are independent, and the scatter within pixels tells V with thousands of
-// degrees of freedom. Else V is the scatter of the images' energies with n - 1 of them.
+// Every sample lights its own pixel alone, so that pixels are independent: the scatter within pixels tells V with thousands of
+// degrees of freedom, though there are two or three images. Methods whose paths light many pixels have no such test, because
+// nothing bounds the light of one path.
 #include "experiments/metrics/energy_test.h"
 
 #include "common/core/math.h"
@@ -66,16 +66,13 @@ std::optional<EnergyTest> energy_test(const std::vector<Image>& images, const Sa
     if (images.size() < 2 || !sampled.brightest) return std::nullopt;
     if (reference.groups.size() < 2 && !reference.standard_error) return std::nullopt;
     const SampleMean truth = reference_energy(reference);
-    const VarianceTerm& of_images = footing.energy.variance;
     const double missing = truth.value - footing.energy.value - unmet;
-    if (!std::isfinite(missing) || !(of_images.variance > 0)) return std::nullopt;
     const PixelScatter scatter = pixel_scatter(images, reference.mean);
-    const VarianceTerm own =
-        sampled.pixels_alone ? VarianceTerm{scatter.variance, std::numeric_limits<double>::infinity()} : of_images;
+    if (!std::isfinite(missing) || !(scatter.variance > 0)) return std::nullopt;
+    const VarianceTerm own{scatter.variance, std::numeric_limits<double>::infinity()};
     const double shares = static_cast<double>(images.size() * reference.mean.pixels());
     const double sample = std::max(largest_throughput * *sampled.brightest / sampled.passes, scatter.largest_excess);
-    const double event = std::max(sample / shares, of_images.variance / footing.energy.value);
-    const double rare = -2 * std::log(alpha) * event;
+    const double rare = -2 * std::log(alpha) * sample / shares;
     const double square = sqr(half_width({own, truth.variance}, 2 * alpha));
     // The roots of D^2 = square + rare D bound what may be missing by chance.
     const double least = rare / 2 + std::sqrt(sqr(rare / 2) + square);

@@ -1,6 +1,6 @@
 #pragma once
-// Tests whether images of a method that declares itself unbiased lack light that the reference has. energy_test.cpp has the
-// derivation.
+// Tests whether images lack light that the reference has, for methods that declare themselves unbiased and whose samples start at
+// the camera. energy_test.cpp has the derivation.
 
 #include "experiments/metrics/equal_footing.h"
 
@@ -18,7 +18,6 @@ struct SampledLight {
     std::uint32_t passes = 1;  ///< samples a pixel of each image, at least
     /// Largest radiance that a light path can find by chance, mean of the channels [W/(sr m^2)]; empty: no bound is known.
     std::optional<double> brightest = {};
-    bool pixels_alone = false;  ///< MethodDescription::samples_pixels_alone
 };
 
 /// The energy that images lack.
@@ -27,7 +26,8 @@ struct EnergyTest {
     bool is_rejected = false;  ///< light is missing: significantly, and at least footing_least
 };
 
-/// Tests `images`. `alpha`: significance level; `unmet`: the part of the reference's mean energy that lies where all images are
+/// Tests `images` of a method whose samples light their own pixels alone. `alpha`: significance level; `unmet`: the part of the
+/// reference's mean energy that lies where all images are
 /// black (analysis/unmet_light.h). Empty below two images, without a bound of `sampled.brightest`, without noise in the images
 /// or a known one in the reference, and if a value is not finite.
 std::optional<EnergyTest> energy_test(const std::vector<Image>& images, const SampledLight& sampled,
