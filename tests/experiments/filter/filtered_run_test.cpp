@@ -14,9 +14,11 @@ using ::testing::HasSubstr;
 
 class FilteredRun : public ::testing::Test, protected ExperimentFolder {
 protected:
-    /// An experiment of `path` whose reference is an image of ones; `more` is the end of its [[method]].
+    /// An experiment of `path` whose reference is an exact image of ones; `more` is the end of its [[method]].
     void write_path(const std::string& more, int seeds = 1) {
-        write_exr(path("r.exr"), one_layer(constant_image(1, 8, 8)));
+        LayeredImage reference = one_layer(constant_image(1, 8, 8));
+        reference.layers.emplace_back("stderr", constant_image(0, 8, 8));
+        write_exr(path("r.exr"), reference);
         write("e.toml", "scenes = ['tiny.xml']\nseeds = " + std::to_string(seeds) +
                             "\n[reference]\nimage = 'r.exr'\n[[method]]\nname = 'path'\n" + more);
     }
