@@ -188,9 +188,39 @@ Reference read_reference_of(const std::string& path, int width, int height, cons
     return reference;
 }
 
-GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash) {
-    GivenReference given{
-        .reference = read_reference_of(path, width, height, content_hash), .identity = "", .notes = {}};
+namespace {
+
+/// Their mean, with the components that all of them have.
+Reference reference_of_replicates(std::vector<Reference> replicates) {
+    if (replicates.size() == 1) return std::move(replicates.front());
+    Reference reference;
+    reference.metadata = replicates.front().metadata;
+    reference.unresolved = replicates.front().unresolved;
+    std::vector<Image> totals;
+    for (const Reference& r : replicates)
+        totals.push_back(r.total.mean);
+    reference.total = layer_of_groups(std::move(totals));
+    for (std::size_t c = 0; c < component_count; ++c) {
+        std::vector<Image> images;
+        for (const Reference& r : replicates)
+            if (r.components[c]) images.push_back(r.components[c]->mean);
+        if (images.size() == replicates.size()) reference.components[c] = layer_of_groups(std::move(images));
+    }
+    return reference;
+}
+
+}  // namespace
+
+GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
+                               const std::string& content_hash) {
+    const std::string& path = paths.front();
+    std::vector<Reference> replicates;
+    for (const std::string& one : paths)
+        replicates.push_back(read_reference_of(one, width, height, content_hash));
+    for (std::size_t i = 1; i < paths.size(); ++i)
+        if (replicates[i].total.mean.rgb == replicates[0].total.mean.rgb)
+            throw InputError({paths[i]}, "the image is that of '" + path + "': replicates need seeds of their own");
+    GivenReference given{.reference = reference_of_replicates(std::move(replicates)), .identity = "", .notes = {}};
     Reference& reference = given.reference;
     bool sound = is_sound(reference.total);
     for (const auto& component : reference.components)
@@ -200,11 +230,13 @@ GivenReference given_reference(const std::string& path, int width, int height, c
         throw InputError({path}, "the reference is black, and no error is a share of it");
     // Other attributes are those of the file's own format.
     std::map<std::string, std::string> kept;
-    for (const char* key : {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite"})
+    for (const char* key :
+         {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite", "brightest_light"})
         if (const auto value = reference.metadata.find(key); value != reference.metadata.end()) kept.insert(*value);
     ContentHash hash;
     hash.add("reference image 1");
-    hash.add(read_file(path));
+    for (const std::string& one : paths)
+        hash.add(read_file(one));
     kept["reference_key"] = hash.hex();
     kept.try_emplace("passes", "0");
     reference.metadata = std::move(kept);

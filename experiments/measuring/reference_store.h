@@ -102,9 +102,10 @@ struct GivenReference {
     std::vector<std::string> notes;  ///< remarks that tables have to make about it
 };
 
-/// The same for a run. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
+/// The same for a run, from one image or from several replicates, whose scatter gives the standard error. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
 /// Throws InputError also if the image is black or has values that are not finite.
-GivenReference given_reference(const std::string& path, int width, int height, const std::string& content_hash);
+GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
+                               const std::string& content_hash);
 
 /// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is written.
 void require_memory_for_reference(int width, int height);

@@ -114,19 +114,30 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
         experiment.scenes[i].goal.target = read_target(reader, (*list)[i]);
 }
 
-/// Reads the images that are the references: one for the only scene, or a list with one for each scene.
+/// Reads the images that are the references: for the only scene one, or a list of replicates; for several scenes a list with one,
+/// or with a list of replicates, for each.
 void read_reference_images(const TomlReader& reader, const toml::table& table, Experiment& experiment) {
     reader.check_keys(table, "[reference] with an image", {"image"});
     const toml::node& node = *table.get("image");
     const auto* list = node.as_array();
-    if (const std::size_t count = list ? list->size() : 1; count != experiment.scenes.size())
+    const bool is_of_one_scene = experiment.scenes.size() == 1 && !(list && list->size() == 1 && (*list)[0].is_array());
+    if (const std::size_t count = list && !is_of_one_scene ? list->size() : 1; count != experiment.scenes.size())
         reject(reader.at(node), "'image' gives {} references for {} scenes", count, experiment.scenes.size());
     for (std::size_t i = 0; i < experiment.scenes.size(); ++i) {
-        const toml::node& value = list ? (*list)[i] : node;
-        std::string& path = experiment.scenes[i].reference_image =
-            path_beside(experiment, reader.string(value, "image"));
-        if (std::error_code error; !std::filesystem::is_regular_file(path, error))
-            reject(reader.at(value), "there is no image '{}'", path);
+        const toml::node& value = list && !is_of_one_scene ? (*list)[i] : node;
+        std::vector<std::string> paths;
+        const auto add = [&](const toml::node& one) {
+            paths.push_back(path_beside(experiment, reader.string(one, "image")));
+            if (std::error_code error; !std::filesystem::is_regular_file(paths.back(), error))
+                reject(reader.at(one), "there is no image '{}'", paths.back());
+        };
+        if (const auto* replicates = value.as_array()) {
+            if (replicates->empty()) reject(reader.at(value), "'image' is an empty list");
+            for (const toml::node& one : *replicates)
+                add(one);
+        } else add(value);
+        experiment.scenes[i].reference_image = paths.front();
+        experiment.scenes[i].reference_replicates.assign(paths.begin() + 1, paths.end());
     }
 }
 

@@ -42,6 +42,7 @@ struct ExperimentScene {
     ReferenceGoal goal;
     /// The path of an image that is the reference, as the program opens it; empty: gibench makes the reference.
     std::string reference_image = {};
+    std::vector<std::string> reference_replicates = {};  ///< further images of the same reference, from other seeds
 };
 
 struct Experiment : ExperimentMethods {

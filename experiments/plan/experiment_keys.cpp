@@ -51,11 +51,15 @@ DeclaredTable keys_of_a_reference() {
           "is subtracted from errors, so that smaller errors are resolved too"},
          {"seconds", "number above 0",
           "time after which a reference is taken as it is; the report says how close it came"},
-         {"image", "file, or a list with one for each scene, relative to the experiment file",
+         {"image",
+          "file, list of replicates, or a list with one of these for each scene; relative to the experiment file",
           "a reference made elsewhere, instead of all other keys of this table: an image of any renderer, of the size "
           "of the scene's images. Its layer `stderr` (channels `stderr.R`, `stderr.G`, `stderr.B`) is its standard "
-          "error per pixel, whose square is subtracted from errors; without it the noise floor is unknown, nothing "
-          "is subtracted, `rel_mse_resolved` is empty, and `table.md` and the report say so. A reference of "
+          "error per pixel, whose square is subtracted from errors. Several images of the same pass count from other "
+          "seeds are replicates: their mean is the reference, and their scatter its standard error. Without either the "
+          "noise floor is unknown, nothing is subtracted, bias and noise are not separated, `rel_mse_resolved` is "
+          "empty, "
+          "and `table.md` and the report say so. A reference of "
           "`gibench reference` counts with its groups and components; one of another scene, or of another version of "
           "it, is refused"}},
         "one value of a parameter of the reference's method"};

@@ -72,12 +72,15 @@ ResultIndex index_of(const RunSession& run) {
     for (std::size_t i = 0; i < run.setup.scenes.size(); ++i) {
         const RunScene& scene = run.setup.scenes[i];
         const std::string& image = scene.entry.reference_image;
+        const std::size_t more = scene.entry.reference_replicates.size();
         index.scenes.push_back(
             {.name = scene.entry.name,
              .path = scene.entry.path,
              .content_hash = scene.content_hash,
              .reference = run.references.identity(i),
-             .reference_method = image.empty() ? experiment.reference_method.text() : "the image " + image,
+             .reference_method = image.empty()
+                                     ? experiment.reference_method.text()
+                                     : "the image " + image + (more > 0 ? fmt::format(" and {} more", more) : ""),
              .target = scene.entry.goal.target,
              .notes = run.references.notes(i)});
     }

@@ -16,6 +16,7 @@ protected:
         for (const char* scene : {"a.xml", "b.xml"})
             folder_.write(scene, "<scene/>");
         folder_.write("r.exr", "");
+        folder_.write("s.exr", "");
     }
     Experiment parse(const std::string& text) const { return parse_experiment(text, folder_ / "e.toml"); }
     std::string error_of(const std::string& text) const {
@@ -284,6 +285,15 @@ TEST_F(ExternalMethodTest, ReferenceImagesAreOneForEachScene) {
     EXPECT_EQ(parse_reference("['a.xml', 'b.xml']", "image = ['r.exr', 'r.exr']").scenes[1].reference_image,
               folder_ / "r.exr");
     EXPECT_EQ(parse_reference("['a.xml']", "target = '1%'").scenes[0].reference_image, "");
+    for (const char* replicates : {"['a.xml']|['r.exr', 's.exr']", "['a.xml']|[['r.exr', 's.exr']]",
+                                   "['a.xml', 'b.xml']|[['r.exr', 's.exr'], 'r.exr']"}) {
+        const std::string text = replicates;
+        const std::size_t bar = text.find('|');
+        const auto scenes = parse_reference(text.substr(0, bar), "image = " + text.substr(bar + 1)).scenes;
+        EXPECT_EQ(scenes[0].reference_image, folder_ / "r.exr");
+        EXPECT_THAT(scenes[0].reference_replicates, ElementsAre(folder_ / "s.exr"));
+        EXPECT_EQ(scenes.back().reference_replicates.size(), scenes.size() == 1 ? 1u : 0u);
+    }
     const auto error = [&](const std::string& scenes, const std::string& reference) {
         return input_error_of([&] { parse_reference(scenes, reference); });
     };

@@ -95,6 +95,51 @@ TEST_F(FootingRun, AnExperimentWithoutLightHasNoTable) {
     EXPECT_TRUE(table().rows.empty());
 }
 
+class ReferenceFromElsewhere : public ::testing::Test, protected ExperimentFolder {
+protected:
+    ReferenceFromElsewhere() {
+        for (const char* seed : {"1", "2", "3"})
+            EXPECT_THAT(
+                gibench(std::string("render tiny.xml --method 'path spp=64' --seed ") + seed + " -o r" + seed + ".exr"),
+                exits(0));
+    }
+    ProgramResult run_with(const std::string& image) {
+        write("e.toml", "title = 'Given'\nscenes = ['tiny.xml']\nseeds = 2\n[reference]\nimage = " + image +
+                            "\n[[method]]\nname = 'photon_mapper'\nphotons = 1000\nspp = 2\n");
+        return gibench("run e.toml --fresh");
+    }
+};
+
+TEST_F(ReferenceFromElsewhere, WithoutAStandardErrorSeparatesNoBias) {
+    ASSERT_THAT(run_with("'r1.exr'"), exits(0));
+    EXPECT_THAT(read_file(results("table.md")), HasSubstr("no standard error: bias and noise cannot be separated"));
+    const CsvTable rows = table();
+    for (const char* column : {"bias2", "bias2_lo", "bias2_hi", "bias_state"})
+        EXPECT_EQ(field_of(rows, column, 0), "") << column;
+    EXPECT_NE(field_of(rows, "rel_mse", 0), "");
+}
+
+TEST_F(ReferenceFromElsewhere, HasTheStandardErrorOfItsReplicates) {
+    ASSERT_THAT(run_with("['r1.exr', 'r2.exr', 'r3.exr']"), exits(0));
+    const Reference reference = read_reference(ResultFolder(results("")).reference_image("tiny"));
+    ASSERT_TRUE(reference.total.standard_error);
+    const std::array<float, 3> values = {read_reference(path("r1.exr")).total.mean.rgb[0],
+                                         read_reference(path("r2.exr")).total.mean.rgb[0],
+                                         read_reference(path("r3.exr")).total.mean.rgb[0]};
+    const std::array<double, 3> doubles = {double{values[0]}, double{values[1]}, double{values[2]}};
+    const SampleMean mean = sample_mean(doubles);
+    EXPECT_NEAR(double{reference.total.mean.rgb[0]}, mean.value, 1e-6 * mean.value);
+    EXPECT_NEAR(double{reference.total.standard_error->rgb[0]}, std::sqrt(mean.variance.variance), 1e-6 * mean.value);
+    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("no standard error")));
+    EXPECT_NE(field_of(table(), "bias2", 0), "");
+}
+
+TEST_F(ReferenceFromElsewhere, IsNotTheSameImageTwice) {
+    const ProgramResult result = run_with("['r1.exr', 'r1.exr']");
+    EXPECT_NE(result.code, 0);
+    EXPECT_THAT(result.err, HasSubstr("replicates need seeds of their own"));
+}
+
 class ContradictedReference : public ::testing::Test, protected ExperimentFolder {
 protected:
     /// Scales the component of the result folder's reference of `tiny`.
