@@ -16,6 +16,7 @@
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/system/progress.h"
+#include "experiments/system/shipped_files.h"
 #include "methods/path/lit_spots.h"
 
 #include <fmt/format.h>
