@@ -1,9 +1,12 @@
 // Hard cases of geometry that no single image shows: rays to edges and vertices, cameras on
 // surfaces.
 
+#include "common/scene/scene.h"
 #include "common/shapes/shape.h"
 #include "tests/support/hard_cases.h"
 #include "tests/support/random.h"
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 
