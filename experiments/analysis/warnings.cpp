@@ -29,7 +29,8 @@ double waited(const Cell& cell) {
 
 double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
 
-/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
+/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)". No image has less than no light, so that the interval
+/// begins at -100 % or above.
 std::string signed_percent(const Estimate& e) {
     return fmt::format("{:+.2f} %", 100 * e.value) +
            (e.interval

@@ -190,7 +190,7 @@ Reference read_reference_of(const std::string& path, int width, int height, cons
 
 namespace {
 
-/// Their mean, with the components that all of them have.
+/// The mean of the replicates, with the components that all of them have; their scatter is its standard error.
 Reference reference_of_replicates(std::vector<Reference> replicates) {
     if (replicates.size() == 1) return std::move(replicates.front());
     Reference reference;

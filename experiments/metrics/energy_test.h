@@ -27,8 +27,7 @@ struct EnergyTest {
 };
 
 /// Tests `images` of a method whose samples light their own pixels alone. `alpha`: significance level; `unmet`: the part of the
-/// reference's mean energy that lies where all images are
-/// black (analysis/unmet_light.h). Empty below two images, without a bound of `sampled.brightest`, without noise in the images
+/// reference's mean energy that lies where all images are black (analysis/unmet_light.h) [W/(sr m^2)]. Empty below two images, without a bound of `sampled.brightest`, without noise in the images
 /// or a known one in the reference, and if a value is not finite.
 std::optional<EnergyTest> energy_test(const std::vector<Image>& images, const SampledLight& sampled,
                                       const ReferenceLayer& reference, const Footing& footing, double unmet,

@@ -54,9 +54,9 @@ struct ReplicateStatistics {
     std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of a replicate
     /// The same as bias2 for rel_mse_corrected; rel_mse_corrected - rel_bias2 is the part of the variance.
     std::optional<Estimate> rel_bias2;
-    /// By group of the reference: the derivative of log rel_mse_corrected with the share of the group's deviation from the mean
-    /// that the reference has. Two methods share the reference's noise, so that only differences of pulls count. Empty without
-    /// groups, and where rel_mse_corrected is not positive.
+    /// -2 <mean x - R, G_g - R> / rel_mse_corrected for each group G_g of the reference: how much log rel_mse_corrected changes if
+    /// the reference R moves by G_g - R (first order, no unit; ranking.h). Empty without groups, and where rel_mse_corrected is
+    /// not positive.
     std::vector<double> pulls = {};
 };
 

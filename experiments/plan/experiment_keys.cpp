@@ -58,9 +58,8 @@ DeclaredTable keys_of_a_reference() {
           "error per pixel, whose square is subtracted from errors. Several images of the same pass count from other "
           "seeds are replicates: their mean is the reference, and their scatter its standard error. Without either the "
           "noise floor is unknown, nothing is subtracted, bias and noise are not separated, `rel_mse_resolved` is "
-          "empty, "
-          "and `table.md` and the report say so. A reference of "
-          "`gibench reference` counts with its groups and components; one of another scene, or of another version of "
+          "empty, and `table.md` and the report say so. A reference of `gibench reference` counts with its groups and "
+          "components; one of another scene, or of another version of "
           "it, is refused"}},
         "one value of a parameter of the reference's method"};
 }

@@ -24,7 +24,7 @@ struct MergingSettings {
     std::uint64_t first_pass;
 };
 
-/// What vcm adds to bidirectional path tracing; see NoMerging.
+/// Merging is the technique that vcm adds to bidirectional path tracing. NoMerging has the meaning of the members.
 class MergedVertices {
 public:
     using Sample = BiasedSample;

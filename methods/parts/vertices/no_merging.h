@@ -1,5 +1,6 @@
 #pragma once
-// What a method may add to the techniques of bidirectional path tracing: here nothing. vcm adds merging (methods/vcm).
+// NoMerging adds nothing to the techniques of bidirectional path tracing. The class of vcm with the same members adds merging
+// (methods/vcm).
 
 #include "common/images/film.h"
 #include "methods/method.h"
