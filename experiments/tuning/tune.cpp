@@ -36,6 +36,8 @@ constexpr double charged_share = 0.6, first_round_end = 0.7;
 /// Final runs may take this many times as long as the target is expected to take, because seeds and the load of the machine
 /// differ.
 constexpr double ample = 2;
+/// The shortest budget of a final run [s]: a machine that halts a process for some milliseconds must not end it before the target.
+constexpr double shortest_final = 0.1;
 
 /// The methods that are searched. Throws InputError if a label or a variation is wrong.
 std::vector<SearchSpace> asked_spaces(const TuneFile& file) {
@@ -156,7 +158,7 @@ private:
         std::vector<double> budgets;
         for (const FinalSetting& f : result_.finals) {
             labels.push_back(result_.label(f));
-            budgets.push_back(std::max(f.budget, 0.01));  // one pass always completes
+            budgets.push_back(std::max(f.budget, shortest_final));
         }
         runs_.begin_experiment(labels, budgets, final_seeds);
         std::vector<std::vector<Cell>> cells(labels.size());
