@@ -9,19 +9,16 @@ std::size_t Image::non_finite_values() const {
     return static_cast<std::size_t>(std::count_if(rgb.begin(), rgb.end(), [](float v) { return !std::isfinite(v); }));
 }
 
-namespace {
-
-void add(std::vector<float>& sum, const std::vector<float>& terms) {
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        sum[i] += terms[i];
+Image& Image::operator+=(const Image& other) {
+    for (std::size_t i = 0; i < rgb.size(); ++i)
+        rgb[i] += other.rgb[i];
+    return *this;
 }
-
-}  // namespace
 
 Image ComponentImages::total() const {
     Image sum(width, height);
     for (const auto& part : parts)
-        if (part) add(sum.rgb, part->rgb);
+        if (part) sum += *part;
     return sum;
 }
 
@@ -30,7 +27,7 @@ std::optional<Image> ComponentImages::total_bias() const {
     for (const auto& part : bias) {
         if (!part) continue;
         if (!sum) sum = Image(width, height);
-        add(sum->rgb, part->rgb);
+        *sum += *part;
     }
     return sum;
 }

@@ -28,6 +28,8 @@ struct Image {
         for (std::size_t k = 0; k < 3; ++k)
             rgb[3 * pixel + k] = c[static_cast<Eigen::Index>(k)];
     }
+    /// Adds an image of the same size.
+    Image& operator+=(const Image& other);
     bool same_size(const Image& other) const { return width == other.width && height == other.height; }
     /// The number of values that are not finite.
     std::size_t non_finite_values() const;

@@ -11,6 +11,7 @@
 #include "experiments/measuring/reference_agreement.h"
 #include "experiments/measuring/reference_makers.h"
 #include "experiments/metrics/energy_test.h"
+#include "experiments/metrics/few_hits.h"
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/results/judgement.h"
@@ -73,8 +74,8 @@ TableRow plain_row(const Replicates& replicates, const ResultIndex& index, Layer
 }
 
 TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Layer layer,
-                    const std::vector<Image>& images, const ReferenceLayer& reference, const Denominators& denominators,
-                    const ReferenceQuality& quality) {
+                    const std::vector<Image>& images, const Image& missed, const ReferenceLayer& reference,
+                    const Denominators& denominators, const ReferenceQuality& quality) {
     TableRow row = plain_row(replicates, index, layer);
     row.noise_floor = quality.noise_floors.at(layer);
     row.floor_known = quality.error_known;
@@ -85,6 +86,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
     row.footing = equal_footing(images, reference, r_total);
+    allow_for_missed_light(row, images, missed, reference, denominators);
     if (!row.floor_known) {
         // The reference's noise counts as bias in all of these.
         row.statistics->bias2.reset();
@@ -130,30 +132,34 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     const std::vector<Image>& totals = replicates.totals;
     const Cell& first = *replicates.cells.front();
     const Components left_out = index.left_out_by(first.scene, first.method).components;
-    if (judgement.is_empty()) {
-        rows.push_back(plain_row(replicates, index, Layer::total));
-    } else {
-        rows.push_back(judged_row(replicates, index, Layer::total, totals, judgement.total(), denominators, quality));
-        rows.back().flip = mean_flip(replicates, totals, denominators.plain(), folder);
-    }
-    Image all_unmet(totals.front().width, totals.front().height);
+    Image all_unmet(totals.front().width, totals.front().height), all_missed = all_unmet;
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
             if (image[c]) images.push_back(*image[c]);
         if (images.size() != replicates.images.size()) continue;
         if (const auto* reference = judgement.component(c)) {
-            rows.push_back(judged_row(replicates, index, layer_of(c), images, *reference, denominators, quality));
+            const Image missed = light_missed_by(*reference, images);
+            all_missed += missed;
+            rows.push_back(
+                judged_row(replicates, index, layer_of(c), images, missed, *reference, denominators, quality));
             if (left_out.has(c)) continue;
             const Image unmet = unmet_light(images, reference->mean);
             const double unmet_energy = allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
             test_energy(rows.back(), index, judgement, images, *reference, left_out, unmet_energy);
-            for (std::size_t i = 0; i < unmet.rgb.size(); ++i)
-                all_unmet.rgb[i] += unmet.rgb[i];
+            all_unmet += unmet;
         } else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
     }
-    if (judgement.is_empty()) return rows;
+    if (judgement.is_empty()) {
+        rows.insert(rows.begin(), plain_row(replicates, index, Layer::total));
+        return rows;
+    }
+    if (std::ranges::none_of(rows, [](const TableRow& row) { return row.statistics.has_value(); }))
+        all_missed = light_missed_by(judgement.total(), totals);  // images without components
+    rows.insert(rows.begin(), judged_row(replicates, index, Layer::total, totals, all_missed, judgement.total(),
+                                         denominators, quality));
     TableRow& total = rows.front();
+    total.flip = mean_flip(replicates, totals, denominators.plain(), folder);
     const double unmet_energy = allow_for_unmet_light(total, totals, all_unmet, judgement.total(), denominators);
     test_energy(total, index, judgement, totals, judgement.total(), left_out, unmet_energy);
     for (std::size_t i = 1; i < rows.size(); ++i)

@@ -197,7 +197,9 @@ public:
     }
 
 private:
-    MeanCurve curve(const std::string& method) const { return {contest_.cells().at(method), contest_.noise_floor()}; }
+    MeanCurve curve(const std::string& method) const {
+        return {contest_.cells().at(method), contest_.noise_floor(method)};
+    }
     bool is_passed(const Contender& reigning, const Contender& best, std::size_t i) const {
         if (reigning.known != Contender::Known::equal) return true;
         return std::sqrt(curve(best.method)(times_[i])) < least_lead * std::sqrt(curve(reigning.method)(times_[i]));
@@ -220,7 +222,8 @@ private:
     }
 
     void add_change(Crossover change) {
-        change.relative_rmse = resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor());
+        change.relative_rmse =
+            resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor(change.method));
         change.doubts.one_seed = contest_.cells().at(change.method).size() < 2;
         changes_.push_back(std::move(change));
         told_apart_.clear();
@@ -308,18 +311,20 @@ std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis) {
     std::vector<FrontierPoint> frontier;
     for (const auto& [scene, contest] : contests_of(analysis)) {
         std::map<std::pair<double, double>, FrontierPoint> points;  // by time and squared error
-        for (const auto& [method, cells] : contest.cells())
+        for (const auto& [method, cells] : contest.cells()) {
+            const double floor = contest.noise_floor(method);
             for (const MeanPoint& point : mean_curve(cells, Layer::total)) {
                 const double error2 = sample_mean(point.relative).value;
                 if (std::isnan(error2)) continue;
-                points.try_emplace({point.seconds, std::max(error2, contest.noise_floor())},
+                points.try_emplace({point.seconds, std::max(error2, floor)},
                                    FrontierPoint{.scene = scene,
                                                  .method = method,
                                                  .least_passes = point.least_passes,
                                                  .most_passes = point.most_passes,
                                                  .seconds = point.seconds,
-                                                 .relative_rmse = resolved({error2, {}}, contest.noise_floor())});
+                                                 .relative_rmse = resolved({error2, {}}, floor)});
             }
+        }
         double best = std::numeric_limits<double>::infinity();
         for (auto& [place, point] : points) {
             if (!(place.second < best)) continue;

@@ -48,11 +48,12 @@ inline Field measured(const Estimate& e, Unit unit = Unit::number) {
     return {State::measured, e.value, e.interval, unit};
 }
 inline Field measured(double value, Unit unit = Unit::number) { return {State::measured, value, std::nullopt, unit}; }
-/// A relative RMSE from its square; one in the reference's own noise is not resolved.
+/// A relative RMSE from its square. One in the reference's own noise is not resolved: its value is then an upper bound, the end of
+/// its interval, but at least the floor; without an interval, the floor above the estimate.
 inline Field resolved(const Estimate& error2, double noise_floor) {
-    if (noise_floor > 0 && error2.value <= noise_floor)
-        return {State::not_resolved, noise_floor, std::nullopt, Unit::root};
-    return measured(error2, Unit::root);
+    if (!(noise_floor > 0 && error2.value <= noise_floor)) return measured(error2, Unit::root);
+    const double end = error2.interval ? error2.interval->hi : std::max(error2.value, 0.0) + noise_floor;
+    return {State::not_resolved, std::max(end, noise_floor), std::nullopt, Unit::root};
 }
 /// An estimate of what cannot be negative: an upper bound where its interval reaches 0, which tells nothing if all of it is below.
 inline Field positive(const Estimate& e, Unit unit = Unit::number) {

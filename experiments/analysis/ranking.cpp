@@ -70,8 +70,9 @@ std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& 
 }
 
 bool are_told_apart(const Contender& better, const Contender& worse) {
+    const double shift = std::min(worse.missed_shift - better.missed_shift, 0.0);
     return better.mean < worse.mean &&
-           worse.log_mean - better.log_mean > half_width(difference_terms(better, worse), tie_tail);
+           worse.log_mean - better.log_mean + shift > half_width(difference_terms(better, worse), tie_tail);
 }
 
 std::vector<Contender> ranked(std::vector<Contender> contenders) {
@@ -128,24 +129,41 @@ double Contest::equal_time() const {
     return std::min(shortest, longest);
 }
 
+bool Contest::is_complete(const TableRow& row) const {
+    return layer_ == Layer::total ? row.is_complete() : !row.components_missing.touches(layer_);
+}
+
+double Contest::noise_floor(const std::string& method) const {
+    const TableRow* row = analysis_.row(scene_, method, layer_);
+    return row ? std::max(row->noise_floor, noise_floor_) : noise_floor_;
+}
+
+double Contest::noise_floor() const {
+    std::optional<double> least;
+    for (const auto& [method, cells] : methods_)
+        if (const TableRow* row = analysis_.row(scene_, method, layer_); row && row->statistics && is_complete(*row))
+            least = std::min(least.value_or(noise_floor(method)), noise_floor(method));
+    return least.value_or(noise_floor_);
+}
+
 Contender Contest::contender(const std::string& method, const Runs& cells) const {
     const TableRow* row = analysis_.row(scene_, method, layer_);
-    return {
-        .method = method,
-        .is_complete = !row || (layer_ == Layer::total ? row->is_complete() : !row->components_missing.touches(layer_)),
-        .pulls = row && row->statistics ? row->statistics->pulls : std::vector<double>(),
-        .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
-        .first_image = first_image_of_all(cells)};
+    return {.method = method,
+            .is_complete = !row || is_complete(*row),
+            .pulls = row && row->statistics ? row->statistics->pulls : std::vector<double>(),
+            .missed_shift = row && row->statistics ? row->statistics->missed_shift : 0,
+            .ended = have_converged(cells) ? std::numeric_limits<double>::infinity() : mean_seconds(cells),
+            .first_image = first_image_of_all(cells)};
 }
 
 void Contest::set_errors(Contender& contender, const Runs& cells, double seconds) const {
     const auto errors2 = errors2_by(cells, layer_, seconds);
     if (errors2.empty()) return;
-    const double mean = sample_mean(errors2).value;
-    const bool is_resolved = !(mean <= noise_floor_);
-    contender.mean = is_resolved ? mean : noise_floor_;
+    const double mean = sample_mean(errors2).value, floor = noise_floor(contender.method);
+    const bool is_resolved = !(mean <= floor);
+    contender.mean = is_resolved ? mean : floor;
     for (const double error2 : errors2)
-        contender.logs.push_back(std::log(std::max({is_resolved ? error2 : noise_floor_, noise_floor_, least_error2})));
+        contender.logs.push_back(std::log(std::max({is_resolved ? error2 : floor, floor, least_error2})));
 }
 
 void Contest::extrapolate(Contender& contender, double seconds) const {
@@ -175,7 +193,8 @@ std::vector<Contender> Contest::to_error(std::size_t target) const {
         if (!row || !row->statistics) continue;
         Contender c = contender(method, cells);
         for (const auto& curve : error_curves(cells, layer_)) {
-            const auto time = is_target_resolved(target, noise_floor_) ? crossing_time(curve, error) : std::nullopt;
+            const auto time =
+                is_target_resolved(target, noise_floor(method)) ? crossing_time(curve, error) : std::nullopt;
             if (!time) c.known = Contender::Known::lower_bounds;
             c.logs.push_back(std::log(time ? *time : curve.empty() ? 0 : curve.back().seconds));
         }

@@ -45,6 +45,7 @@ struct Contender {
     bool is_complete = true;              ///< whether it has all light
     std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
     std::vector<double> pulls = {};       ///< ReplicateStatistics::pulls
+    double missed_shift = 0;              ///< ReplicateStatistics::missed_shift
     double ended = 0;                     ///< mean time of the runs [s]
     double first_image = 0;               ///< time after which all runs have an image [s]
     // Set by ranked() and set_scatter():
@@ -63,7 +64,8 @@ void set_scatter(std::vector<Contender>& contenders);
 /// The variances of the difference of two logarithms: by the scatter of both, and by the noise of the reference.
 std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& b);
 
-/// Whether `better` is smaller than `worse` for sure (half_width()). One seed tells nothing.
+/// Whether `better` is smaller than `worse` for sure (half_width()), also if the reference has missed the light that it may have
+/// missed. One seed tells nothing.
 bool are_told_apart(const Contender& better, const Contender& worse);
 
 /// The contenders in their order, with their standings: the complete ones whose numbers are known, by their means; those
@@ -92,7 +94,10 @@ public:
     const CellsByMethod& cells() const { return methods_; }
     /// Whether the whole layer is judged, so that a method can be the best.
     bool is_judged() const { return is_judged_; }
-    double noise_floor() const { return noise_floor_; }
+    /// The least noise floor of the methods that have all light (TableRow::noise_floor); without one, the reference's.
+    double noise_floor() const;
+    /// That of a method's row; without a row, the reference's.
+    double noise_floor(const std::string& method) const;
 
     /// The time [s] after which the methods are compared: the shortest of their mean total times, without methods that
     /// have converged, whose images more time would not change (the longest of all if each has).
@@ -109,6 +114,7 @@ public:
 
 private:
     Contender contender(const std::string& method, const Runs& cells) const;
+    bool is_complete(const TableRow& row) const;
     /// Sets what the law of a method says of its error after `seconds`.
     void extrapolate(Contender& contender, double seconds) const;
     /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is that floor.

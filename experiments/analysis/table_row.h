@@ -48,7 +48,9 @@ struct TableRow {
     std::uint64_t nonfinite = 0;                ///< samples that were not finite, of all seeds
     double peak_rss_mib = 0;                    ///< the largest of all seeds
     Effects effects_missing = {};               ///< effects that the method leaves out
-    double noise_floor = 0;  ///< noise floor of the reference [relative squared error]: Analysis::noise_floor()
+    /// Noise floor of the reference [relative squared error], Analysis::noise_floor(), and of light that it
+    /// may have missed (unmet_light.h).
+    double noise_floor = 0;
     std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< those that hold light and of which the method leaves out paths

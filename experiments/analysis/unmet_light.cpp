@@ -19,6 +19,30 @@ void widen(std::optional<Estimate>& estimate, const std::optional<Estimate>& oth
     if (estimate && other) widen(*estimate, *other);
 }
 
+/// Widens the interval; the verdict stands if both have it, and not `in_doubt`.
+void widen(Footing& footing, const Footing& other, bool in_doubt) {
+    widen(footing.excess, other.excess);
+    if (footing.verdict == other.verdict && !in_doubt) return;
+    footing.verdict = FootingVerdict::unresolved;
+    footing.misses_light = true;
+}
+
+/// The images plus `factor` times the light.
+std::vector<Image> changed(std::vector<Image> images, const Image& light, float factor) {
+    for (Image& x : images)
+        for (std::size_t i = 0; i < x.rgb.size(); ++i)
+            x.rgb[i] += factor * light.rgb[i];
+    return images;
+}
+
+/// The mean over values of light^2 / (r^2 + epsilon).
+double relative_square(const Image& light, const Denominators& denominators) {
+    double sum = 0;
+    for (std::size_t i = 0; i < light.rgb.size(); ++i)
+        sum += denominators.weight(i) * sqr(double{light.rgb[i]});
+    return sum / static_cast<double>(light.rgb.size());
+}
+
 }  // namespace
 
 Image unmet_light(const std::vector<Image>& images, const Image& reference) {
@@ -32,26 +56,36 @@ Image unmet_light(const std::vector<Image>& images, const Image& reference) {
 double allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, const Image& unmet,
                              const ReferenceLayer& reference, const Denominators& denominators) {
     if (!row.statistics || is_black(unmet)) return 0;
-    std::vector<Image> met = images;
-    for (Image& x : met)
-        for (std::size_t i = 0; i < x.rgb.size(); ++i)
-            x.rgb[i] += unmet.rgb[i];
+    const std::vector<Image> met = changed(images, unmet, 1);
     const double unmet_energy = mean_energy(unmet);
-    for (std::size_t i = 0; i < unmet.rgb.size(); ++i)
-        row.unmet += denominators.weight(i) * sqr(double{unmet.rgb[i]}) / static_cast<double>(unmet.rgb.size());
+    row.unmet = relative_square(unmet, denominators);
     const ReplicateStatistics with = replicate_statistics(met, reference, denominators);
     widen(row.statistics->bias2, with.bias2);
     widen(row.statistics->rel_bias2, with.rel_bias2);
     const auto footing = equal_footing(met, reference, denominators.plain());
     if (!row.footing || !footing) return unmet_energy;
-    Footing& plain = *row.footing;
-    const double least = std::min(std::abs(plain.excess.value), std::abs(footing->excess.value));
-    widen(plain.excess, footing->excess);
-    const bool is_less = plain.verdict == FootingVerdict::differs && least * plain.unit < unmet_energy;
-    if (footing->verdict == plain.verdict && !is_less) return unmet_energy;
-    plain.verdict = FootingVerdict::unresolved;
-    plain.misses_light = true;
+    const double least = std::min(std::abs(row.footing->excess.value), std::abs(footing->excess.value));
+    const bool is_less = row.has_verdict(FootingVerdict::differs) && least * row.footing->unit < unmet_energy;
+    widen(*row.footing, *footing, is_less);
     return unmet_energy;
+}
+
+void allow_for_missed_light(TableRow& row, const std::vector<Image>& images, const Image& missed,
+                            const ReferenceLayer& reference, const Denominators& denominators) {
+    if (!row.statistics || is_black(missed)) return;
+    // An image differs from the reference with this light as the image without it differs from the reference.
+    const std::vector<Image> others = changed(images, missed, -1);
+    const ReplicateStatistics with = replicate_statistics(others, reference, denominators);
+    ReplicateStatistics& plain = *row.statistics;
+    row.noise_floor += relative_square(missed, denominators);
+    if (plain.rel_mse_corrected > row.noise_floor)
+        plain.missed_shift = std::log(std::max(with.rel_mse_corrected, row.noise_floor) / plain.rel_mse_corrected);
+    for (const auto estimate : {&ReplicateStatistics::mse, &ReplicateStatistics::rmse, &ReplicateStatistics::rel_mse})
+        widen(plain.*estimate, with.*estimate);
+    widen(plain.bias2, with.bias2);
+    widen(plain.rel_bias2, with.rel_bias2);
+    if (const auto footing = equal_footing(others, reference, denominators.plain()); row.footing && footing)
+        widen(*row.footing, *footing, false);
 }
 
 }  // namespace gib

@@ -10,6 +10,7 @@
 #include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/metrics/few_hits.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
@@ -388,6 +389,7 @@ private:
 
     void warn_about_quality() {
         result_.warnings.insert(result_.warnings.end(), lacking_.begin(), lacking_.end());
+        std::ranges::move(notes_of_few_hits(result_.reference), std::back_inserter(result_.warnings));
         std::vector<std::string_view> names;
         for (Component c : unresolved_)
             names.push_back(name_of(c));

@@ -243,6 +243,7 @@ GivenReference given_reference(const std::vector<std::string>& paths, int width,
     given.identity = hash.hex() + ":" + reference.metadata["passes"];
     if (!reference.total.standard_error && reference.total.groups.empty())
         given.notes = {"the reference has no standard error: how much of each error is its own is unknown"};
+    std::ranges::move(notes_of_few_hits(reference), std::back_inserter(given.notes));
     return given;
 }
 
