@@ -27,6 +27,8 @@ class ContentHash {
 public:
     /// Adds a piece of data. The hash also depends on where one piece ends and the next begins.
     void add(std::string_view piece);
+    /// Adds all pieces of another hash.
+    void add(const ContentHash& other) { pieces_ += other.pieces_; }
     /// SHA-1 of all pieces, 40 hexadecimal digits.
     std::string hex() const;
 

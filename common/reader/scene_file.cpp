@@ -402,16 +402,46 @@ void read_unused(const std::vector<NestedObject>& objects, const XmlIds& ids, Lo
     }
 }
 
+/// Adds what is seen of an element (LoadedScene::view_hash).
+void add_view(const XmlElement& element, ContentHash& view) {
+    const bool is_film = element.tag == "film";
+    view.add("<" + element.tag);
+    for (const XmlAttribute& attribute : element.attributes) {
+        if (is_film) continue;
+        const bool is_path = element.tag == "spectrum" && attribute.name == "filename";
+        view.add(attribute.name);
+        view.add(is_path ? read_file(attribute.value) : attribute.value);
+    }
+    for (const XmlElement& child : element.children) {
+        const bool is_seen = is_film ? child.tag == "rfilter" || child.tag == "ref"
+                                     : child.tag != "sampler" && child.tag != "integrator";
+        if (is_seen) add_view(child, view);
+    }
+    view.add(">");
+}
+
+/// LoadedScene::view_hash; `files`: the hash of the meshes and textures.
+std::string view_hash_of(const XmlElement& root, const ContentHash& files, const ParsedSensor& sensor,
+                         const ParsedIntegrator& integrator) {
+    ContentHash view;
+    view.add(fmt::format("view 1, max_depth {}, hide_emitters {}", integrator.max_edges, integrator.hides_emitters));
+    // Rounded, because the window's pixels are scaled with the resolution.
+    if (sensor.window) view.add(fmt::format("crop {:.6g}", fmt::join(*sensor.window, " ")));
+    add_view(root, view);
+    view.add(files);
+    return view.hex();
+}
+
 /// Reads a scene, and collects its unknown parameters. Throws InputError for these once all elements have been read, and for
 /// the first of all other errors.
 LoadedScene read_scene(const std::string& xml, const std::string& path, const SceneLoadOptions& options,
                        LoadErrors& unknown) {
-    ContentHash hash;
+    ContentHash hash, files;
     if (options.resolution)
         hash.add(fmt::format("resolution {} x {}", options.resolution->first, options.resolution->second));
     LoadWarnings warnings;
     const ExpandedXml expanded = expand_xml(xml, path, options.parameters, options.folders, hash, warnings);
-    SceneBuilder builder(expanded, hash, warnings);
+    SceneBuilder builder(expanded, files, warnings);
     builder.collect_unknown(&unknown);
     Properties scene(expanded.root, builder.ids());
     const auto integrator = scene.object("integrator");
@@ -446,6 +476,7 @@ LoadedScene read_scene(const std::string& xml, const std::string& path, const Sc
         builder.add_emitter(emitter);
     SceneParts parts = builder.finish(expanded.root, std::move(parsed.sensor));
     unknown.reject();
+    hash.add(files);
     auto placed = std::make_shared<Scene>(std::move(parts));
     NamedMedia named = builder.named_media();
     if (const auto around = medium_around_camera(*placed, named)) {
@@ -459,6 +490,7 @@ LoadedScene read_scene(const std::string& xml, const std::string& path, const Sc
                        .sample_count = parsed.sample_count,
                        .max_edges = taken.max_edges,
                        .content_hash = hash.hex(),
+                       .view_hash = view_hash_of(expanded.root, files, parsed, taken),
                        .warnings = {}};
     for (const auto& find : {contradictions, open_boundaries})
         for (const std::string& warning : find(*loaded.scene, named))

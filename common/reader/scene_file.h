@@ -23,9 +23,13 @@ struct LoadedScene {
     std::shared_ptr<const Scene> scene;
     std::optional<int> sample_count;  ///< samples a pixel in the file's sampler; none: it gives no count
     int max_edges;                    ///< longest path of the file's integrator [edges]; INT_MAX: unlimited
-    /// Hash of everything that the image depends on: XML, includes, meshes, parameters, resolution.
-    /// 40 hexadecimal digits.
+    /// Hash of all bytes that were read: XML, includes, meshes, parameters, resolution. Results and references are stored under
+    /// it. 40 hexadecimal digits.
     std::string content_hash;
+    /// Hash of what is seen: two images of one size are comparable if their scenes have the same one. It covers the XML after
+    /// includes and parameters, and all files. It does not cover comments, the sampler, the integrator but for `max_depth` and
+    /// `hide_emitters`, and the film but for its filter and the part of it that a crop window shows. 40 hexadecimal digits.
+    std::string view_hash;
     /// Messages about parts of the file that are changed, left out or likely to be mistakes, as `file:line:column: message`.
     std::vector<std::string> warnings;
 };

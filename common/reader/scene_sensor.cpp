@@ -241,7 +241,13 @@ ParsedSensor parse_sensor(const NestedObject& sensor, const XmlIds& ids,
     const Sensor result(parameters);
     if (!has_sound_rays(result))
         throw InputError(film ? film->where : sensor.where, "the film reaches too far from the view's axis");
-    return {result, sample_count, medium};
+    std::optional<std::array<double, 4>> window;
+    if (const auto& crop = parameters.crop) {
+        const Vec2d offset = crop->offset.cwiseQuotient(crop->film),
+                    size = Vec2d(parameters.width, parameters.height).cwiseQuotient(crop->film);
+        window = {offset.x(), offset.y(), size.x(), size.y()};
+    }
+    return {result, sample_count, medium, window};
 }
 
 ParsedIntegrator parse_integrator(const NestedObject& integrator, const XmlIds& ids) {

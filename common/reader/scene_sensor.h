@@ -16,6 +16,8 @@ struct ParsedSensor {
     Sensor sensor;
     std::optional<int> sample_count;     ///< samples per pixel, as the sampler gives them
     std::optional<NestedObject> medium;  ///< medium that the sensor stands in
+    /// x, y, width and height of a crop window in fractions of the film; none: the image is the whole film.
+    std::optional<std::array<double, 4>> window = {};
 };
 
 /// Reads a sensor: perspective (fov or focal_length, fov_axis, principal_point_offset_x and _y), thinlens (fov or

@@ -426,8 +426,6 @@ private:
     std::map<std::string, std::string> metadata() const {
         std::map<std::string, std::string> metadata = {
             {"reference_key", key_},
-            {"scene", work_.scene.name},
-            {"scene_hash", work_.scene.content_hash},
             {"method", work_.label.text()},
             {"groups", std::to_string(reference_groups)},
             {"passes", std::to_string(groups_.passes)},
@@ -441,6 +439,7 @@ private:
             {"dominance_of_one_group", fmt::format("{:.3g}", dominance_of_one_group(result_.reference.total.groups))},
             {"brightest_light", fmt::format("{}", brightest_radiance(work_.scene.scene->lights()))},
             {"program", program_version()}};
+        metadata.merge(scene_attributes(work_.scene));
         if (makers_.size() > 1) metadata["makers"] = text_of(shares_);
         if (groups_.dropped.count > 0) {
             metadata["not_finite"] = std::to_string(groups_.dropped.count);

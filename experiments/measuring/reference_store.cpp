@@ -176,14 +176,14 @@ std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint3
     return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
 }
 
-Reference read_reference_of(const std::string& path, int width, int height, const std::string& content_hash) {
+Reference read_reference_of(const std::string& path, int width, int height,
+                            const std::map<std::string, std::string>& scene) {
     Reference reference = read_reference(path);
     const Image& mean = reference.total.mean;
     if (mean.width != width || mean.height != height)
         reject({path}, "the reference has {} x {} pixels, the scene has {} x {}", mean.width, mean.height, width,
                height);
-    if (const std::string scene = attribute_in(reference.metadata, "scene_hash");
-        !scene.empty() && scene != content_hash)
+    if (show_different_scenes(reference.metadata, scene))
         throw InputError({path}, "the reference is that of another scene, or of another version of this one");
     return reference;
 }
@@ -212,11 +212,11 @@ Reference reference_of_replicates(std::vector<Reference> replicates) {
 }  // namespace
 
 GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
-                               const std::string& content_hash) {
+                               const std::map<std::string, std::string>& scene) {
     const std::string& path = paths.front();
     std::vector<Reference> replicates;
     for (const std::string& one : paths)
-        replicates.push_back(read_reference_of(one, width, height, content_hash));
+        replicates.push_back(read_reference_of(one, width, height, scene));
     for (std::size_t i = 1; i < paths.size(); ++i)
         if (replicates[i].total.mean.rgb == replicates[0].total.mean.rgb)
             throw InputError({paths[i]}, "the image is that of '" + path + "': replicates need seeds of their own");
@@ -230,8 +230,8 @@ GivenReference given_reference(const std::vector<std::string>& paths, int width,
         throw InputError({path}, "the reference is black, and no error is a share of it");
     // Other attributes are those of the file's own format.
     std::map<std::string, std::string> kept;
-    for (const char* key :
-         {"scene", "scene_hash", "method", "passes", "rounds", "seconds", "makers", "not_finite", "brightest_light"})
+    for (const char* key : {"scene", "scene_hash", "view_hash", "method", "passes", "rounds", "seconds", "makers",
+                            "not_finite", "brightest_light"})
         if (const auto value = reference.metadata.find(key); value != reference.metadata.end()) kept.insert(*value);
     ContentHash hash;
     hash.add("reference image 1");

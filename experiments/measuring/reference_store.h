@@ -92,9 +92,10 @@ private:
     std::string path_;
 };
 
-/// Reads an image as the reference of a scene of this size and content (LoadedScene::content_hash). Throws InputError if it is
-/// missing or damaged, has another size, or says that it is the reference of another scene.
-Reference read_reference_of(const std::string& path, int width, int height, const std::string& content_hash);
+/// Reads an image as the reference of a scene whose images have this size [pixels]; `scene`: its scene_attributes(). Throws
+/// InputError if it is missing or damaged, has another size, or says that it shows another scene.
+Reference read_reference_of(const std::string& path, int width, int height,
+                            const std::map<std::string, std::string>& scene);
 
 struct GivenReference {
     Reference reference;
@@ -105,7 +106,7 @@ struct GivenReference {
 /// The same for a run, from one image or from several replicates, whose scatter gives the standard error. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
 /// Throws InputError also if the image is black or has values that are not finite.
 GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
-                               const std::string& content_hash);
+                               const std::map<std::string, std::string>& scene);
 
 /// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is written.
 void require_memory_for_reference(int width, int height);

@@ -2,6 +2,7 @@
 
 #include "common/core/error.h"
 #include "common/images/image_digest.h"
+#include "common/reader/scene_file.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -134,6 +135,27 @@ Image mean_image(std::span<const Image> images) {
 std::string attribute_in(const std::map<std::string, std::string>& metadata, const std::string& key) {
     const auto found = metadata.find(key);
     return found == metadata.end() ? "" : found->second;
+}
+
+namespace {
+
+constexpr const char *content_attribute = "scene_hash", *view_attribute = "view_hash";
+
+}  // namespace
+
+std::map<std::string, std::string> scene_attributes(const LoadedScene& scene) {
+    return {{"scene", scene.name}, {content_attribute, scene.content_hash}, {view_attribute, scene.view_hash}};
+}
+
+bool show_different_scenes(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b) {
+    bool differ = false;
+    for (const char* key : {content_attribute, view_attribute}) {
+        const std::string in_a = attribute_in(a, key), in_b = attribute_in(b, key);
+        if (in_a.empty() || in_b.empty()) continue;
+        if (in_a == in_b) return false;
+        differ = true;
+    }
+    return differ;
 }
 
 ReferenceLayer layer_of_groups(std::vector<Image> groups) {

@@ -5,12 +5,15 @@
 #include "common/images/image_file.h"
 
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace gib {
+
+struct LoadedScene;
 
 /// The standard error of a reference comes from this many groups of independently seeded batches.
 inline constexpr int reference_groups = 16;
@@ -76,6 +79,11 @@ bool is_black(const Image& image);
 Image mean_image(std::span<const Image> images);
 /// An attribute of a file; empty if it has none.
 std::string attribute_in(const std::map<std::string, std::string>& metadata, const std::string& key);
+/// The attributes by which an image of gibench says which scene it shows.
+std::map<std::string, std::string> scene_attributes(const LoadedScene& scene);
+/// Whether the attributes of two images say that they show different scenes: neither LoadedScene::content_hash nor
+/// LoadedScene::view_hash agrees. Images of older versions have only the first; one that has neither may show any scene.
+bool show_different_scenes(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b);
 
 /// Makes a layer from the means of groups, which all have the same number of samples: their mean, and as its standard
 /// error their standard deviation / sqrt(groups).

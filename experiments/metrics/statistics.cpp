@@ -319,8 +319,15 @@ Estimate bias2_of(const Moments& of, double value) {
     return widened(estimate(value, {pair_variance(of.seeds), reference_term(of)}), of.reference.squared_bias);
 }
 
-/// The variance of one replicate, which is the mean of |x_i - x_j|^2 / 2 over pairs. Its term of first order never
-/// vanishes, so that the plain jackknife is accurate enough.
+/// The variance V of one replicate: the mean of k_ij = |x_i - x_j|^2 / 2 over pairs. Its term of first order vanishes where all
+/// seeds deviate from their mean by the same distance, as two halves of alike seeds do; the jackknife then gives no variance.
+/// So the variance is at least that of normal noise with covariance S, 2 T / (n - 1) with T = tr(S^2), which falls with the number
+/// of independent pixels tr(S)^2 / tr(S^2). All squares of the table together estimate T, for normal noise without bias
+/// (Srivastava 2005, "Some tests concerning the covariance matrix in high dimensional data"), with (n - 2)(n + 1) / 2 degrees of
+/// freedom. If all pixels move together, T is V^2 (n - 1) / (n + 1) for any seeds, and V itself has n - 1 degrees of freedom;
+/// `share` is T relative to that, between 0 and 1. With that share the whole image also counts as one pixel whose largest value
+/// may be unseen (unseen_terms). In simulations with 3 to 8 seeds, 95 % intervals cover 94 % or more for 1 to 3000 independent
+/// pixels of normal, uniform, two-valued, t (3, 5 degrees), lognormal and Poisson noise, and 92 % of one exponential value.
 Estimate variance_of(const Moments& of) {
     const Table& seeds = of.seeds;
     Table halves = -seeds;
@@ -329,8 +336,17 @@ Estimate variance_of(const Moments& of) {
     const PairMean pairs = pair_mean(halves);
     // Two replicates form one pair, which has no scatter for an interval.
     if (seeds.rows() < 3) return {pairs.value, std::nullopt};
-    return positive_estimate(pairs.value, {pair_jackknife(pairs, static_cast<double>(seeds.rows()))},
-                             of.unseen.variance);
+    if (pairs.value == 0) return {0, Interval{0, 0}};
+    const auto n = static_cast<double>(seeds.rows());
+    const double residual_degrees = n * (n - 3) / 2;
+    const double trace_square = (2 * (n - 1) / n * pairs.effects_square + residual_degrees * pairs.residual_square) /
+                                (n - 1 + residual_degrees);
+    const double share = std::min(1.0, trace_square * (n + 1) / (sqr(pairs.value) * (n - 1)));
+    const VarianceTerm least{2 * trace_square / (n - 1), n - 1 + residual_degrees * (1 - share)};
+    const VarianceTerm scatter = pair_jackknife(pairs, n);
+    const double unseen_image = share * unseen_terms * 2 / (n - 1) * *std::ranges::max_element(pairs.effects);
+    return positive_estimate(pairs.value, {scatter.variance > least.variance ? scatter : least},
+                             of.unseen.variance + unseen_image);
 }
 
 /// The mean squared error over the replicates. The interval belongs to the plain formula, whose expectation contains

@@ -187,11 +187,10 @@ void render(const RenderOptions& options, std::ostream& out) {
     const Checkpoint& last = measured.checkpoints.back();
     image.metadata = {{"method", chosen.label.text()},
                       {"seed", std::to_string(options.seed)},
-                      {"scene", loaded.name},
-                      {"scene_hash", loaded.content_hash},
                       {"passes", std::to_string(last.passes)},
                       {"seconds", fmt::format("{:.6f}", last.seconds)},
                       {"program", program_version()}};
+    image.metadata.merge(scene_attributes(loaded));
     for (const auto& [name, value] : measured.facts)
         image.metadata[name] = value;
     write_exr(options.out, image, Flush::later);

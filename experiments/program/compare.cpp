@@ -113,13 +113,10 @@ void require_comparable(const std::string& path, const Image& image, const Compa
                r.width, r.height);
 }
 
-/// Throws InputError if the image and the reference say that they show different scenes: their hashes of the scene's
-/// content differ.
+/// Throws InputError if the image and the reference say that they show different scenes.
 void require_same_scene(const std::string& path, const LayeredImage& image, const CompareOptions& options,
                         const Reference& reference) {
-    const std::string of_image = attribute_in(image.metadata, "scene_hash");
-    const std::string of_reference = attribute_in(reference.metadata, "scene_hash");
-    if (options.other_scene || of_image.empty() || of_reference.empty() || of_image == of_reference) return;
+    if (options.other_scene || !show_different_scenes(image.metadata, reference.metadata)) return;
     const auto name = [](const auto& metadata) {
         const std::string scene = attribute_in(metadata, "scene");
         return scene.empty() ? "unknown" : scene;

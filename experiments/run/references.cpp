@@ -121,7 +121,7 @@ void References::take_given(std::size_t scene) {
     const std::string stored = folder_.reference_image(of.entry.name);
     std::vector<std::string> images = of.entry.reference_replicates;
     images.insert(images.begin(), of.entry.reference_image);
-    const GivenReference given = given_reference(images, of.width, of.height, of.content_hash);
+    const GivenReference given = given_reference(images, of.width, of.height, of.attributes);
     if (given.identity != stored_reference_identity(stored)) write_reference(stored, given.reference);
     entries_[scene] = {.identity = given.identity, .notes = given.notes};
     log_.progress.note(fmt::format("reference of {}: {}", of.entry.name, of.entry.reference_image));

@@ -113,6 +113,7 @@ RunSetup checked_setup(Experiment experiment, const RunOptions& options) {
         plan_methods(setup, loaded, progress);
         setup.scenes.push_back({.entry = entry,
                                 .content_hash = loaded.content_hash,
+                                .attributes = scene_attributes(loaded),
                                 .sample_count = loaded.sample_count,
                                 .width = loaded.scene->sensor().width(),
                                 .height = loaded.scene->sensor().height()});

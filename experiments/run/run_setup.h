@@ -39,8 +39,9 @@ struct RunLog {
 struct RunScene {
     ExperimentScene entry;
     std::string content_hash;
-    std::optional<int> sample_count;  ///< samples a pixel in the file's sampler
-    int width = 0, height = 0;        ///< size of its images [pixels]
+    std::map<std::string, std::string> attributes;  ///< scene_attributes()
+    std::optional<int> sample_count;                ///< samples a pixel in the file's sampler
+    int width = 0, height = 0;                      ///< size of its images [pixels]
 };
 
 struct RunSetup {

@@ -315,6 +315,62 @@ TEST(SceneFile, TheHashCoversWhateverTheImageDependsOn) {
     EXPECT_NE(load_scene(path).content_hash, with_mesh);
 }
 
+// Two images of one size may be compared although their files ask for other sizes, sample counts, samplers or file formats.
+TEST(SceneFile, TheHashOfTheViewCoversOnlyWhatIsSeen) {
+    const TemporaryFolder folder;
+    folder.write("i.xml", ball);
+    const auto view_of = [&](const std::string& film, const std::string& rest, const SceneLoadOptions& options = {}) {
+        const std::string xml = "<scene version='3.0.0'><sensor type='perspective'>" + film + "</sensor>" + rest +
+                                "<include filename='i.xml'/></scene>";
+        return load_scene(folder.write("main.xml", xml), options).view_hash;
+    };
+    const auto film = [](int size, const std::string& more = "") {
+        return fmt::format(
+            "<film type='hdrfilm'><integer name='width' value='{0}'/><integer name='height' "
+            "value='{0}'/>{1}</film>",
+            size, more);
+    };
+    const std::string box = "<rfilter type='box'/>", deep = "<integrator type='path'/>";
+    const std::string first = view_of(film(16, box), deep);
+    EXPECT_EQ(view_of(film(64, box), deep), first);
+    EXPECT_EQ(view_of(film(64, box), deep, {{}, std::pair(16, 16)}), first);
+    EXPECT_EQ(view_of(film(16, "<string name='file_format' value='openexr'/>" + box), deep), first);
+    EXPECT_EQ(view_of(film(16, box) + "<sampler type='multijitter'><integer name='sample_count' value='9'/></sampler>",
+                      "<!-- a comment -->"),
+              first);
+    EXPECT_EQ(view_of("<film type='ldrfilm'><integer name='width' value='$size'/>" + box + "</film>",
+                      "<default name='size' value='4'/>", {{{"size", "8"}}, {}}),
+              first);
+
+    EXPECT_NE(view_of(film(16), deep), first) << "the filter decides what a pixel shows";
+    EXPECT_NE(view_of(film(16, box), "<integrator type='path'><integer name='max_depth' value='2'/></integrator>"),
+              first);
+    EXPECT_NE(
+        view_of(film(16, box), "<integrator type='path'><boolean name='hide_emitters' value='true'/></integrator>"),
+        first);
+    EXPECT_NE(view_of("<float name='fov' value='30'/>" + film(16, box), deep), first);
+    folder.write("i.xml", shape("sphere", center(0, 0, 9)));
+    EXPECT_NE(view_of(film(16, box), deep), first);
+}
+
+TEST(SceneFile, TheHashOfTheViewKnowsTheCropWindowByItsShareOfTheFilm) {
+    const auto view_of = [&](int film, int offset, int size, const SceneLoadOptions& options = {}) {
+        return parse_scene(
+                   fmt::format("<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'><integer "
+                               "name='width' value='{0}'/><integer name='height' value='{0}'/><integer "
+                               "name='crop_offset_x' value='{1}'/><integer name='crop_width' value='{2}'/>"
+                               "<integer name='crop_height' value='{2}'/></film></sensor>{3}</scene>",
+                               film, offset, size, ball),
+                   "main.xml", options)
+            .view_hash;
+    };
+    const std::string third = view_of(9, 3, 3);
+    EXPECT_EQ(view_of(18, 6, 6), third);
+    EXPECT_EQ(view_of(9, 3, 3, {{}, std::pair(7, 7)}), third);
+    EXPECT_NE(view_of(9, 0, 3), third);
+    EXPECT_NE(view_of(9, 0, 9), third);
+}
+
 TEST(SceneFile, ShippedScenesLoad) {
     const std::string folder = source_path("scenes/");
     const auto box = load_scene(folder + "cornell-box.xml"), glass = load_scene(folder + "cornell-glass.xml");

@@ -235,9 +235,17 @@ TEST_F(GivenReferenceRun, AReferenceThatDoesNotFitFailsWithItsReason) {
     EXPECT_THAT(run().err, HasSubstr("the reference is black"));
     write_image(8, 0.5f, -1.f);
     EXPECT_EQ(run().code, 1);
-    write("other.xml", tiny_scene_xml(8) + "<!-- another -->");
+    const std::string scene = tiny_scene_xml(8);
+    write("other.xml", std::string(scene).replace(scene.find("value='5'"), 9, "value='6'"));
     ASSERT_EQ(gibench("reference other.xml --target 40% -o r.exr --replace").code, 0);
     EXPECT_THAT(run().err, HasSubstr("the reference is that of another scene"));
+}
+
+// The size of the film, the sample count and the sampler are no part of what a scene shows.
+TEST_F(GivenReferenceRun, AReferenceOfTheSameViewInAnotherFileFits) {
+    write("larger.xml", tiny_scene_xml(32) + "<!-- another -->");
+    ASSERT_EQ(gibench("reference larger.xml --target 40% --resolution 8x8 -o r.exr").code, 0);
+    EXPECT_THAT(run(), exits(0));
 }
 
 // A reference of gibench keeps its groups, so that all intervals contain its uncertainty.

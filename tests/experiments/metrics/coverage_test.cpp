@@ -5,10 +5,13 @@
 #include "experiments/metrics/statistics.h"
 
 #include "common/core/math.h"
+#include "tests/support/constant_image.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numeric>
 #include <random>
 
@@ -110,6 +113,62 @@ TEST_P(Coverage, OfErrorsHoldsWhereFewPixelsCarryTheError) {
                                                                                : "rel_mse")
                                                                   << ", seeds " << seeds << (biased ? ", biased" : "");
         }
+}
+
+/// Images whose pixels all have the same value: a number of this seed, of variance 1.
+std::vector<Image> images_that_move_together(Random& random, int seeds, const std::function<double(Random&)>& number) {
+    std::vector<Image> images;
+    for (int i = 0; i < seeds; ++i)
+        images.push_back(constant_image(static_cast<float>(radiance + number(random)), 4, 4));
+    return images;
+}
+
+// 1000 experiments; coverage of 93 % or more. The jackknife alone gives no width at all where the seeds split into two halves:
+// 57 % for four seeds of two values.
+TEST(CoverageOfTheVariance, HoldsWhereAllPixelsMoveTogether) {
+    constexpr int experiments = 1000;
+    std::normal_distribution<double> normal;
+    std::student_t_distribution<double> heavy(5);
+    const ReferenceLayer truth{constant_image(radiance, 4, 4), {}, {}};
+    for (const auto& [name, number] : std::map<std::string, std::function<double(Random&)>>{
+             {"normal", [&](Random& random) { return normal(random); }},
+             {"two values", [&](Random& random) { return normal(random) < 0 ? -1.0 : 1.0; }},
+             {"heavy tails", [&](Random& random) { return heavy(random) / std::sqrt(5. / 3); }}})
+        for (const int seeds : {3, 4, 5, 8}) {
+            Random random(7);
+            int hits = 0, seen = 0;
+            for (int i = 0; i < experiments; ++i) {
+                const auto images = images_that_move_together(random, seeds, number);
+                const auto variance = replicate_statistics(images, truth, {truth.mean, 1}).variance;
+                if (variance->value == 0) continue;  // seeds that are all equal show no variance
+                ++seen;
+                hits += contains(variance->interval, 1);
+            }
+            EXPECT_GE(hits, least_hits(0.93, seen)) << name << ", " << seeds << " seeds";
+        }
+}
+
+// With normal noise in 256 independent pixels, the standard error of the variance is sqrt(2 / (256 (n - 1))) of it. The interval
+// of five seeds, by Student's t of 2.78, need not be much wider.
+TEST(CoverageOfTheVariance, CostsLittleWidthWithManyPixels) {
+    constexpr int experiments = 100, seeds = 5;
+    Random random(8);
+    std::normal_distribution<double> normal;
+    const ReferenceLayer truth{constant_image(radiance, edge, edge), {}, {}};
+    std::vector<double> widths;
+    for (int i = 0; i < experiments; ++i) {
+        std::vector<Image> images(seeds, truth.mean);
+        for (Image& image : images)
+            for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+                const auto noise = static_cast<float>(normal(random));
+                for (std::size_t c = 0; c < 3; ++c)
+                    image.rgb[3 * pixel + c] += noise;
+            }
+        const auto variance = replicate_statistics(images, truth, {truth.mean, 1}).variance;
+        widths.push_back(std::log(variance->interval->hi / variance->interval->lo));
+    }
+    std::ranges::nth_element(widths, widths.begin() + experiments / 2);
+    EXPECT_LE(widths[experiments / 2], 1.6 * 2 * 2.776 * std::sqrt(2. / (pixels * (seeds - 1))));
 }
 
 // The interval of three seeds is 4.3 standard deviations wide to either side if the variance is known to 2 degrees of
