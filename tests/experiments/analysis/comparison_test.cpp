@@ -149,12 +149,6 @@ Analysis sweep() {
     return analysis;
 }
 
-TEST(SameMethod, LabelsLoseTheirSpp) {
-    EXPECT_EQ(label_without_spp("path spp=4"), "path");
-    EXPECT_EQ(label_without_spp("photon_mapper spp=4 photons=1e5"), "photon_mapper photons=1e5");
-    EXPECT_EQ(label_without_spp("path"), "path");
-}
-
 TEST(SameMethod, TheLongestRunStandsForAll) {
     const Analysis merged = one_label_a_method(sweep());
     std::vector<std::string> methods;
@@ -172,12 +166,6 @@ TEST(SameMethod, MoreCompleteSeedsComeBeforeMorePasses) {
     Analysis analysis = sweep();
     analysis.cells.push_back(run_of("path spp=16", 1, 0.95, 16 * 0.95, 0, 2));
     EXPECT_THAT(one_label_a_method(analysis).stops.at({"box", "path spp=16"}), ElementsAre(4u, 64u));
-}
-
-TEST(SameMethod, NoTableComparesItWithItself) {
-    EXPECT_THAT(markdown_table(sweep()),
-                AllOf(Not(HasSubstr("path spp=4 ")), Not(HasSubstr("path spp=16 ")),
-                      HasSubstr("| path (stopped at spp = 4, 16 too) |"), HasSubstr("photon_mapper k=5")));
 }
 
 Cell measured_on(const std::string& cpu, const std::string& scene, const std::string& method) {

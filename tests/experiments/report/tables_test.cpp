@@ -1,14 +1,9 @@
-// Tables: their fixed columns, CSV that can be read back, and the words about bias and noise, about what is left out, and
-// about times that were not reached.
+// Tables: CSV that can be read back, names that Markdown does not break, and times that no seed has reached.
 
 #include "experiments/report/tables.h"
 
 #include "experiments/analysis/row_fields.h"
 #include "experiments/report/report.h"
-#include "experiments/report/section_columns.h"
-#include "experiments/report/sections.h"
-#include "experiments/report/words.h"
-#include "experiments/text/numbers.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/csv_reader.h"
 #include "tests/support/matchers.h"
@@ -74,123 +69,6 @@ TEST(Tables, NamesDoNotBreakTheRowsOfMarkdown) {
     EXPECT_EQ(error_table(analysis).rows.at(0).at(0), "a|b\nc") << "CSV has quotes for that";
 }
 
-TEST(Tables, SayWhatTheReferenceDoesNotResolve) {
-    Analysis analysis = small_analysis();
-    analysis.rows[0].noise_floor = 0.0025;
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| below 5.00, not resolved |"));
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| not resolved |")) << "the time to 5 %";
-    analysis.rows[0].noise_floor = 0.0009;
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| 4.00 (3.00 to 5.00) |"));
-}
-
-// A heading that no table shows would be lost in silence.
-TEST(Tables, ShowTheHeadingOfEveryColumn) {
-    Analysis analysis = small_analysis();
-    analysis.rows[0].law = PriceLaw{};
-    analysis.rows[0].robust = RobustError{0.0004, 0.0009, 0.75};
-    const std::string text = markdown_table(analysis);
-    for (const SectionColumn& column : section_columns())
-        EXPECT_THAT(text, HasSubstr(" " + column.heading + " |"));
-}
-
-TEST(Tables, KeepTheOrderOfTheSections) {
-    Analysis analysis = small_analysis();
-    analysis.rows[0].footing = Footing{{1, {}}, 1, {0, {}}, FootingVerdict::agrees};
-    std::vector<std::string> titles;
-    for (const Section& section : sections(analysis))
-        titles.push_back(section.title);
-    EXPECT_EQ(joined(titles),
-              "Which method is cheapest, and why,Equal footing,Price list,Errors,Bias and noise,Where the time goes")
-        << "those without rows are left out";
-}
-
-/// A row of images with these parts of the mean squared error, and a relative RMSE of 10 % with the same parts.
-TableRow error_row(const std::string& method, const Estimate& bias2, double variance) {
-    TableRow row = row_of(method, Layer::total, bias2, 5);
-    row.statistics->rel_mse = {0.01, {}};
-    row.statistics->rmse_corrected = 0.1;
-    row.statistics->rel_mse_corrected = 0.01;
-    row.statistics->variance = Estimate{variance, {}};
-    const double scale = 0.01 / (bias2.value + variance);
-    row.statistics->rel_bias2 = Estimate{scale * bias2.value, {}};
-    if (const auto& ends = bias2.interval)
-        row.statistics->rel_bias2->interval = Interval{scale * ends->lo, scale * ends->hi};
-    return row;
-}
-
-TEST(ErrorKind, SaysBiasOrNoiseWithTheBound) {
-    const auto kind = [](Estimate bias2, double variance) { return error_kind(error_row("photons", bias2, variance)); };
-    EXPECT_EQ(kind({0.6, Interval{0.5, 0.7}}, 0.4), "bias: 60 % of the squared error, 50 to 70");
-    EXPECT_EQ(kind({0.2, Interval{0.1, 0.3}}, 0.8), "noise; bias is 20 % of the squared error, 10 to 30");
-    EXPECT_EQ(kind({0.4, Interval{0.1, 0.7}}, 0.6), "bias and noise; bias is 40 % of the squared error, 10 to 70");
-    EXPECT_EQ(kind({0.6, Interval{0.4, 0.9}}, 0.4), "bias and noise; bias is 60 % of the squared error, 40 to 90");
-    EXPECT_EQ(kind({0.05, Interval{-0.05, 0.16}}, 0.95), "noise; bias below 16 % of the squared error");
-    EXPECT_EQ(kind({-0.1, Interval{-0.2, 0.1}}, 1), "noise; bias below 10 % of the squared error");
-    EXPECT_EQ(kind({-0.1, Interval{-0.2, -0.01}}, 1), "bias or noise: not resolved");
-    EXPECT_EQ(kind({0.3, Interval{-0.1, 0.7}}, 0.7),
-              "bias or noise: not resolved, bias below 70 % of the squared error");
-    EXPECT_EQ(kind({0.5, Interval{-1, 2}}, 0.5), "bias or noise: not resolved");
-    EXPECT_EQ(kind({0.5, {}}, 0.5), "bias or noise: two seeds would tell");
-    EXPECT_EQ(error_kind(TableRow{}), "") << "nothing was judged";
-}
-
-// The estimate of an unbiased method's bias is noise.
-TEST(ErrorKind, KnowsMethodsThatAreUnbiased) {
-    const Estimate bias2{0.6, Interval{0.5, 0.7}};
-    TableRow unbiased = error_row("path spp=4", bias2, 0.4);
-    unbiased.is_unbiased = true;
-    EXPECT_EQ(error_kind(unbiased), "noise: the method is unbiased");
-    EXPECT_THAT(error_kind(error_row("photon_mapper k=5", bias2, 0.4)), HasSubstr("bias: 60 %"));
-    Analysis analysis;
-    analysis.rows = {unbiased, error_row("photon_mapper k=5", bias2, 0.4)};
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 0 (unbiased) |"), HasSubstr("| 60 (50 to 70) |")));
-}
-
-TEST(LookWords, TheBestComesFirstAndIncompleteOnesLast) {
-    std::vector<Cell> cells;
-    for (const auto& [method, c] : {std::pair("good", 4e-4), {"best", 1e-4}, {"incomplete", 1e-5}})
-        for (std::uint64_t seed = 1; seed <= 3; ++seed)
-            cells.push_back(run_of(method, c * (1 + 0.01 * static_cast<double>(seed)), 1, 1, 0, seed));
-    Analysis analysis = analysis_of(cells);
-    TableRow& incomplete = *std::find_if(analysis.rows.begin(), analysis.rows.end(),
-                                         [](const TableRow& r) { return r.method == "incomplete"; });
-    incomplete.effects_missing = {Effect::refraction, Effect::caustics};
-    incomplete.footing = Footing{{1, {}}, 1, {0.012, Interval{0.009, 0.015}}, FootingVerdict::differs};
-    for (EqualTimeLook& look : analysis.looks) {
-        look.flip = 0.0625;
-        look.passes = 4;
-        look.seconds = 1.5;
-    }
-    const auto words = scene_look(analysis, "box").methods;
-    ASSERT_EQ(words.size(), 3u);
-    EXPECT_EQ(words[0].look.method, "best");
-    EXPECT_EQ(words[0].standing, Standing::best);
-    EXPECT_EQ(words[0].beside, "best");
-    EXPECT_EQ(line_of(words[0].error), "1.01");
-    EXPECT_EQ(line_of(words[0].flip), "0.0625");
-    EXPECT_EQ(words[0].shown, "4 passes, 1.50 s");
-    EXPECT_EQ(words[1].look.method, "good");
-    EXPECT_EQ(words[2].energy, "total");
-    EXPECT_EQ(words[2].missing, "refraction, caustics");
-    for (TableRow& row : analysis.rows)
-        row.noise_floor = 0.0009;
-    EXPECT_EQ(line_of(scene_look(analysis, "box").methods[1].error), "below 3.00, not resolved");
-}
-
-// The same state has the same words in every place: "not resolved" if the reference hides it, else "not reached".
-TEST(Times, NotReachedIsNotUnresolved) {
-    TableRow r = error_row("path", {0, {}}, 1);
-    EXPECT_EQ(time_field(r, 3).state, State::not_reached);
-    r.noise_floor = 0.0001;
-    EXPECT_EQ(time_field(r, 3).state, State::not_resolved) << "1 % is not above the floor";
-    EXPECT_EQ(time_field(r, 1).state, State::not_reached);
-    Analysis analysis;
-    analysis.rows = {r};
-    EXPECT_THAT(markdown_table(analysis),
-                HasSubstr("| not reached | not reached | not reached | not resolved | not resolved |"));
-    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_1pct_state"), "not resolved");
-}
-
 /// A row of a method whose squared errors are c / t, and differ from seed to seed by a few percent.
 TableRow law_row() {
     std::vector<Cell> cells;
@@ -220,17 +98,6 @@ TEST(Times, OnlyALawThatHoldsIsExtrapolated) {
     EXPECT_EQ(in_csv("seconds_to_1pct_lo"), "");
 }
 
-TEST(Times, ASlopeStandsBesideTheFloorOfItsLaw) {
-    Analysis analysis;
-    analysis.rows = {law_row()};
-    PriceLaw& law = *analysis.rows[0].law;
-    law.slope = {1.25, {}};
-    law.floorless_slope = {0.75, {}};
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 1.25 |"), Not(HasSubstr("| 0.750 |"))));
-    analysis.rows[0].is_unbiased = true;
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("0 (unbiased)"), HasSubstr("| 0.750 |")));
-}
-
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
     CsvTable table{{"a", "b,c"}, {}};
     table.add({"x\"y", "line\nbreak"});
@@ -241,17 +108,6 @@ TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
     EXPECT_THROW(table.add({"only one"}), std::logic_error);
     EXPECT_THROW(parse_csv("a,b\n1\n", "t.csv"), InputError);
     EXPECT_THROW(parse_csv("a\n\"open\n", "t.csv"), InputError);
-}
-
-TEST(Numbers, NotANumberIsSeen) {
-    EXPECT_EQ(csv_number(std::nan("")), "nan");
-    EXPECT_EQ(short_number(std::nan("")), "nan");
-    EXPECT_EQ(short_number(-std::nan("")), "nan");
-    EXPECT_EQ(percent_text(std::nan("")), "nan");
-    EXPECT_TRUE(std::isnan(at_least_zero(std::nan(""))));
-    EXPECT_EQ(at_least_zero(-1), 0);
-    EXPECT_EQ(short_number(0.125), "0.125");
-    EXPECT_EQ(percent_text(0.125), "12.50");
 }
 
 }  // namespace
