@@ -110,11 +110,6 @@ void add_curve_numbers(TableRow& row, const Runs& cells) {
     row.last_halving = last_halving(cells, row.layer, row.noise_floor);
 }
 
-double floor_bias2(const TableRow& row) {
-    if (row.is_unbiased || !row.law || !row.statistics || !row.statistics->rel_bias2) return 0;
-    return std::clamp(row.statistics->rel_bias2->value, 0.0, row.law->floor.value);
-}
-
 bool law_reaches(const PriceLaw& law, double seconds) {
     return law.misfit <= largest_misfit && seconds <= farthest_extrapolation * law.last_seconds;
 }

@@ -25,11 +25,6 @@ std::optional<Estimate> last_halving(const Runs& cells, Layer layer, double nois
 /// Sets the members of a judged row that come from the curves of its cells: times, law, last halving.
 void add_curve_numbers(TableRow& row, const Runs& cells);
 
-/// The part of a law's floor that is bias^2, taken from the relative bias^2 of
-/// the final images. The rest is variance that more time does not remove, such as
-/// that of a fixed photon map. 0 without a law, without an estimate of bias^2, or if the method is unbiased.
-double floor_bias2(const TableRow& row);
-
 /// Whether a law describes its points well enough to be extrapolated to this time [s].
 bool law_reaches(const PriceLaw& law, double seconds);
 /// The time [s] to target_errors[target]: measured if all seeds have reached it; else what the law says. No seed of a row

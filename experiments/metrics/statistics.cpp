@@ -428,7 +428,6 @@ ImageError image_error(const Image& x, const ReferenceLayer& reference, const De
     }
     const auto size = static_cast<double>(x.rgb.size());
     return {.mse = mse / size,
-            .rmse = std::sqrt(mse / size),
             .rel_mse = rel_mse / size,
             .mse_corrected = (mse - variance) / size - reference.mean_squared_bias([](std::size_t) { return 1.0; }),
             .rel_mse_corrected = truth.squared_difference(x)};

@@ -13,7 +13,6 @@ namespace gib {
 /// Errors by the plain formulas, each a mean over pixels and channels. x is the image and r the reference.
 struct ImageError {
     double mse;      ///< (x - r)^2
-    double rmse;     ///< sqrt(mse)
     double rel_mse;  ///< (x - r)^2 / (r_total^2 + epsilon)
     /// Unbiased estimates of mse and rel_mse against the truth (Denominators); may be negative.
     double mse_corrected, rel_mse_corrected;

@@ -4,7 +4,9 @@
 #include "experiments/analysis/method_names.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/report_pictures.h"
+#include "experiments/report/section_columns.h"
 #include "experiments/report/sections.h"
+#include "experiments/report/tables.h"
 #include "experiments/report/words.h"
 #include "experiments/results/pictures.h"
 #include "experiments/text/html.h"
@@ -161,9 +163,8 @@ json scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
 /// What the headings of the tables mean, by their declarations.
 json meanings_data() {
     json meanings = json::array();
-    for (const RowColumn& column : row_columns())
-        if (const auto& meaning = column.meaning.empty() ? column.sentence : column.meaning;
-            column.sections != 0 && !meaning.empty())
+    for (const SectionColumn& column : section_columns())
+        if (const std::string meaning = column.meaning(); !meaning.empty())
             meanings.push_back({{"heading", column.heading}, {"meaning", meaning}});
     return meanings;
 }

@@ -3,6 +3,7 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
 #include "experiments/analysis/warnings.h"
+#include "experiments/report/section_columns.h"
 #include "experiments/report/words.h"
 #include "experiments/text/numbers.h"
 
@@ -93,17 +94,17 @@ bool is_empty(const Entry& entry) {
     return std::get<Field>(entry.shown).state == State::none;
 }
 
-/// The section with those columns of row_columns() that belong to it; rows without any text are left out.
+/// The section with those columns of section_columns() that belong to it; rows without any text are left out.
 Section row_section(const Analysis& analysis, RowSection which, std::string title, std::string sentence) {
     Section section{std::move(title), std::move(sentence), {words("method")}};
     if (which == in_noise) section.kind = Section::Kind::noise;
-    for (const RowColumn& column : row_columns())
-        if (column.sections & which) section.columns.push_back({column.heading, column.of_words});
+    for (const SectionColumn& column : section_columns())
+        if (column.sections & which) section.columns.push_back({column.heading, column.value.index() == 1});
     for (const TableRow& row : analysis.rows) {
         std::vector<Entry> entries = {method_entry(row.method, method_text(analysis, row))};
-        for (const RowColumn& column : row_columns()) {
+        for (const SectionColumn& column : section_columns()) {
             if (!(column.sections & which)) continue;
-            Entry& entry = entries.emplace_back(Entry{column.shown(row)});
+            Entry& entry = entries.emplace_back(Entry{shown(column.value, row)});
             if (column.target) entry.mark = mark_of(analysis, row, *column.target);
             if (const auto* f = std::get_if<Field>(&entry.shown);
                 f && which == in_noise && f->unit == Unit::share && f->is_measured())

@@ -3,7 +3,7 @@
 // backquotes.
 
 #include "experiments/analysis/analysis.h"
-#include "experiments/report/tables.h"
+#include "experiments/report/columns.h"
 
 #include <string>
 #include <vector>

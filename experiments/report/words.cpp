@@ -289,8 +289,6 @@ std::string line_of(const Field& field, const std::string& unit) {
     return detail.empty() ? value : fmt::format("{} ({})", value, detail);
 }
 
-std::string csv_text(const Field& field) { return field.is_measured() ? csv_number(field.value) : ""; }
-
 std::string csv_state(const Field& field) {
     // In the order of State.
     constexpr const char* names[] = {

@@ -24,8 +24,6 @@ FieldText text_of(const Field& field, const std::string& unit = "");
 /// Both on one line: "12.3 (11.0 to 14.1)".
 std::string line_of(const Field& field, const std::string& unit = "");
 
-/// The number of a measured field; empty for all others.
-std::string csv_text(const Field& field);
 /// The state in words; empty if there is none.
 std::string csv_state(const Field& field);
 

@@ -22,7 +22,7 @@ namespace gib {
 using nlohmann::json;
 
 static auto json_fields(RecordOf<ImageError> auto& e) {
-    return std::tuple(JsonField{"mse", e.mse}, JsonField{"rmse", e.rmse}, JsonField{"rel_mse", e.rel_mse},
+    return std::tuple(JsonField{"mse", e.mse}, JsonField{"rel_mse", e.rel_mse},
                       JsonField{"mse_corrected", e.mse_corrected}, JsonField{"rel_mse_corrected", e.rel_mse_corrected});
 }
 

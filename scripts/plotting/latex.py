@@ -46,11 +46,11 @@ def bias2(row):
 
 def time(row, column):
     """The time to an error, or what is known of it."""
-    state, law = row[column + "_state"], row[column + "_law"]
-    if state in ("extrapolated", "at least") and is_number(law):
-        low, high = row[column + "_law_lo"], row[column + "_law_hi"]
-        interval = f", {number(low)}--{number(high)}" if is_number(low) and is_number(high) else ""
-        return f"{'at least ' if state == 'at least' else ''}{number(law)} (extrapolated{interval})"
+    state, low, high = (row[column + end] for end in ("_state", "_lo", "_hi"))
+    if state == "extrapolated" and is_number(low) and is_number(high):
+        return f"{number(low)}--{number(high)} (extrapolated)"
+    if state == "at least" and is_number(low):
+        return f"at least {number(low)} (extrapolated)"
     if state == "some seeds":
         return "not by all seeds"
     return number(row[column]) if is_number(row[column]) else state or NONE
@@ -62,14 +62,15 @@ def percent(rel_mse):
 
 def relative_rmse(row):
     """The relative RMSE [%] with its interval, the reference's own variance subtracted: the number of table.md."""
-    value, low, high = (row["rel_mse_corrected" + end] for end in ("", "_lo", "_hi"))
+    value, plain_value, low, high = (row[column] for column in ("rel_mse_corrected", "rel_mse", "rel_mse_lo", "rel_mse_hi"))
     if not is_number(value):
         return NONE
     resolved = row["rel_mse_resolved"]
     if is_number(resolved) and value <= resolved:
         return rf"$<${percent(resolved)}"
-    if is_number(low) and is_number(high):
-        return f"{percent(value)} ({percent(low)}--{percent(high)})"
+    if is_number(plain_value) and is_number(low) and is_number(high):
+        own = plain_value - value  # the reference's variance
+        return f"{percent(value)} ({percent(low - own)}--{percent(high - own)})"
     return percent(value)
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 TARGETS = ("10", "5", "2", "1", "0.5")  # relative RMSE [%] to which table.csv has times
 # The columns that are used; the files have more.
 CURVES = ("scene", "method", "seed", "pass", "seconds", "mse_corrected", "rel_mse_corrected")
-TABLE = ("scene", "method", "label", "component", "seeds", "passes", "external", "seconds", "rel_mse_corrected",
-         "rel_mse_corrected_lo", "rel_mse_corrected_hi", "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance",
+TABLE = ("scene", "method", "label", "component", "seeds", "passes", "external", "seconds", "rel_mse",
+         "rel_mse_lo", "rel_mse_hi", "rel_mse_corrected", "rel_mse_resolved", "bias2", "bias2_lo", "bias2_hi", "variance",
          "variance_lo", "variance_hi", "bias_state", "effects_missing", "components_missing", "noise_centroid", "flip",
-         *(f"seconds_to_{target}pct{end}" for target in TARGETS for end in ("", "_state", "_law", "_law_lo", "_law_hi")))
+         *(f"seconds_to_{target}pct{end}" for target in TARGETS for end in ("", "_lo", "_hi", "_state")))
 BIAS_LAWS = ("scene", "method", "parameter", "component", "values", "resolved", "exponent", "exponent_lo", "exponent_hi",
              "theory", "factor")
 TEXT = {"scene", "method", "label", "component", "passes", "external", "effects_missing", "components_missing", "seed", "bias_state", "parameter",

@@ -16,9 +16,7 @@ namespace {
 std::set<std::string> repeatable(const std::vector<std::string>& columns) {
     std::set<std::string> kept;
     for (const auto& name : columns)
-        if (name.find("seconds") == std::string::npos && name.find("rss") == std::string::npos &&
-            name.rfind("law_", 0) != 0 && name.find("halving") == std::string::npos)
-            kept.insert(name);
+        if (name.find("seconds") == std::string::npos && name.find("rss") == std::string::npos) kept.insert(name);
     return kept;
 }
 

@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,9 @@ import gibench  # noqa: E402  found by the line above
 
 PROGRAM = os.path.abspath(sys.argv.pop()) if len(sys.argv) > 1 else gibench.PROGRAM
 TABLES = ("table.csv", "curves.csv", "spectra.csv", "stages.csv", "bias_laws.csv")
+# Columns that have gone since: no document and no script named them, or two others say the same.
+GONE = {"table.csv": "law_.*|(last|next)_halving.*|seconds_to_.*_law.*|rel_mse_(corrected_lo|corrected_hi|median|trimmed|top_share)",
+        "curves.csv": "spp|rmse"}
 # Numbers that were measured or follow from what was, without a fit or a resampling, and words.
 MEASURED = ("seeds", "seconds", "rmse", "rel_mse", "rmse_corrected", "bias2", "variance", "nonfinite", "peak_rss_mib", "flip",
             "epsilon", "passes", "effects_missing", "components_missing", "cpu", "label")
@@ -71,7 +75,8 @@ class OldResults(unittest.TestCase):
         for name in TABLES:
             old, new = (read(os.path.join(folder, "results", "box", name), lambda file: next(csv.reader(file)))
                         for folder in (HERE, self.folder))
-            self.assertEqual([column for column in old if column not in new], [], f"columns of {name} that are lost")
+            lost = [column for column in old if column not in new and not re.fullmatch(GONE.get(name, ""), column)]
+            self.assertEqual(lost, [], f"columns of {name} that are lost")
         self.assert_same_rows("table.csv", ("scene", "method", "component", *MEASURED))
         self.assert_same_rows("curves.csv", ("scene", "method", "seed", "pass", "seconds", "rel_mse", "peak_rss_mib"))
         self.assert_same_rows("stages.csv", ("scene", "method", "seed", "stage", "seconds"))

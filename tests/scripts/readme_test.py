@@ -240,7 +240,7 @@ class CheckerTest(unittest.TestCase):
     def test_columns(self):
         checker = self.checker("`scene`, `method` `seed` `pass`, `rmse` `_lo` `seconds_to_Npct` seconds\n")
         text = "\n".join(checker.unexplained_columns("README.md"))
-        for missing in ("`seconds` of table.csv", "`rmse_hi` of", "`seconds_to_5pct_hi` of", "`spp` of curves.csv",
+        for missing in ("`seconds` of table.csv", "`rmse_hi` of", "`seconds_to_5pct_hi` of", "`photons` of curves.csv",
                         "`frequency` of spectra.csv", "`stage` of stages.csv"):
             self.assertIn("README.md: the column " + missing, text)
         for known in ("`scene`", "`rmse`", "`rmse_lo`", "`seconds_to_0.5pct`", "`seconds_to_5pct_lo`"):

@@ -19,7 +19,7 @@ inline Cell cell_of(const std::string& method, std::uint64_t seed = 1) {
 
 /// An image of a cell with this relative squared error of `total`.
 inline CellCheckpoint checkpoint_of(std::uint32_t passes, double seconds, double rel_mse) {
-    return {{passes, seconds, {}, 0}, {{Layer::total, {0, 0, 0, 0, rel_mse}}}};
+    return {{passes, seconds, {}, 0}, {{Layer::total, {0, 0, 0, rel_mse}}}};
 }
 
 /// A run whose relative squared error is floor + c / seconds, with images after first, 2 first, 4 first, ... up to `last`

@@ -37,36 +37,6 @@ std::vector<Cell> joined(std::initializer_list<std::vector<Cell>> lists) {
     return all;
 }
 
-// The photon mappers' first images are better than all that the path tracer has, but come after its whole time.
-TEST(EqualTimeLooks, MethodsWithoutAnImageStandLast) {
-    const Analysis analysis = analysis_of(
-        joined({runs("late", 1e-5, 5.98, 12), runs("path", 1e-2, 0.05, 0.85), runs("later", 1e-5, 43.5, 50)}));
-    const SceneLook look = scene_look(analysis, "box");
-    const auto& words = look.methods;
-    ASSERT_EQ(words.size(), 3u);
-    EXPECT_EQ(words[0].look.method, "path") << "it alone has kept the time";
-    EXPECT_EQ(words[0].standing, Standing::best);
-    EXPECT_EQ(words[1].look.method, "late");
-    EXPECT_EQ(line_of(words[1].error), "no image yet; first after 5.98 s");
-    EXPECT_EQ(words[1].standing, Standing::no_image);
-    EXPECT_EQ(line_of(words[2].error), "no image yet; first after 43.5 s");
-    EXPECT_EQ(look.seconds, 0.8) << "all are compared at one time";
-}
-
-// Four times as many samples of the path tracer would have won.
-TEST(Crossovers, NoMethodWinsBecauseTheOtherWasNotRunLonger) {
-    const Analysis cut =
-        analysis_of(joined({runs("path", 1e-2, 0.01, 0.16, 0, 2), runs("vcm", 2e-2, 0.05, 0.8, 0, 2)}));
-    for (const Crossover& c : crossovers(cut))
-        EXPECT_NE(c.method, "vcm");
-    EXPECT_TRUE(crossovers(cut).back().ends);
-    EXPECT_THAT(markdown_table(cut), HasSubstr("`path` was not run longer"));
-    const Analysis whole =
-        analysis_of(joined({runs("path", 1e-2, 0.01, 0.64, 0, 2), runs("vcm", 2e-2, 0.05, 0.8, 0, 2)}));
-    for (const Crossover& c : crossovers(whole))
-        EXPECT_NE(c.method, "vcm");
-}
-
 // A law with an interval may speak where the run has ended: the floor of the quick method is known.
 TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
     const Analysis analysis = analysis_of(joined({runs("quick", 1e-3, 0.5, 32, 9e-4), runs("exact", 4e-2, 0.5, 256)}));
@@ -75,17 +45,6 @@ TEST(Crossovers, ALawSpeaksPastTheEndOfARun) {
     EXPECT_EQ(changes[1].method, "exact");
     EXPECT_GT(changes[1].seconds, 32);
     EXPECT_FALSE(changes[1].ends);
-}
-
-// The slow method's run ends in the middle of the time in which the other one is the best.
-TEST(Crossovers, NameRivalsThatEndedDuringAReign) {
-    const Analysis analysis =
-        analysis_of(joined({runs("long", 1e-3, 0.5, 64, 0, 2), runs("short", 2e-3, 0.5, 8, 0, 2)}));
-    const auto changes = crossovers(analysis);
-    ASSERT_EQ(changes.size(), 1u);
-    EXPECT_EQ(changes[0].method, "long");
-    EXPECT_THAT(changes[0].doubts.open, ElementsAre("short"));
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("not run longer: `short`"));
 }
 
 // The second method's first image is better than all that the first one has.
@@ -108,11 +67,6 @@ TEST(Ties, AreOfNumbersThatAreClose) {
     };
     EXPECT_EQ(beside(0.21), "");
     EXPECT_EQ(beside(0.04), "tie with the best");
-}
-
-TEST(Verdicts, TheClosestInAFewWordsHasItsTies) {
-    const Analysis analysis = analysis_of(joined({runs("a", 1e-1, 0.5, 8), runs("b", 1.001e-1, 0.5, 8)}));
-    EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with 'b'")));
 }
 
 // One group of 16 has met a bright pixel. The reference's variance is as uncertain as it is large, and so is every error
@@ -141,49 +95,6 @@ TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
     EXPECT_GT(uneven, error2);
 }
 
-TEST(Floor, ABiasThatMayBeNoneIsAnUpperBound) {
-    Analysis analysis = analysis_of(runs("quick", 1e-3, 0.5, 64, 9e-4));
-    TableRow& row = analysis.rows[0];
-    const auto bias = [&](double value, double lo, double hi) {
-        row.statistics->rel_bias2 = Estimate{value, Interval{lo, hi}};
-        return line_of(floor_bias_field(row));
-    };
-    EXPECT_EQ(bias(-1e-5, -1e-4, 1e-4), "below 1.00");
-    EXPECT_EQ(bias(4e-4, 1e-4, 8.1e-4), "2.00 (1.00 to 2.85)");
-    EXPECT_EQ(bias(4e-4, -1e-3, 2e-3), "cannot be told");
-}
-
-TEST(Verdicts, AMethodWhoseRivalEndedIsOnlyTheFirstSeen) {
-    const Analysis analysis =
-        analysis_of(joined({runs("path", 1e-3, 0.01, 0.16, 0, 2), runs("vcm", 2e-3, 0.05, 3.2, 0, 2)}));
-    const VerdictRow first = verdict(analysis, "box")[0];
-    EXPECT_EQ(first.method, "vcm");
-    EXPECT_EQ(first.remark, "first that was seen to reach it, not run longer: `path`");
-    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("not run longer: 'path'"));
-}
-
-// Seed by seed both take the same times, in another order.
-TEST(Verdicts, EqualMethodsAreATie) {
-    std::vector<Cell> cells;
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-        cells.push_back(run_of("a", 1e-2 * (1 + 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
-        cells.push_back(run_of("b", 1.02e-2 * (1.5 - 0.1 * static_cast<double>(seed)), 0.5, 64, 0, seed));
-    }
-    const Analysis analysis = analysis_of(cells);
-    EXPECT_THAT(verdict(analysis, "box")[0].remark, HasSubstr("tie with `"));
-    EXPECT_EQ(verdict(analysis, "box")[1].remark, "tie with the best");
-    EXPECT_THAT(cheapest(analysis, "box", 1).detail, HasSubstr("tie with"));
-    const auto words = scene_look(analysis, "box").methods;
-    EXPECT_THAT(words[0].beside, HasSubstr("tie with"));
-    EXPECT_EQ(words[1].standing, Standing::tie);
-    for (const EqualTimeRow& row : equal_time_rows(analysis))
-        EXPECT_EQ(row.ranking[1].standing, Standing::tie);
-    for (const Crossover& c : crossovers(analysis))
-        EXPECT_EQ(c.doubts.ties.size(), 1u);
-    for (const FrontierPoint& p : pareto_frontier(analysis))
-        EXPECT_EQ(p.doubts.ties.size(), 1u);
-}
-
 // The budget ends the seeds after 40 and 64 s. Their errors there, and not those at the last pass that all have, are the
 // ends of the curve and of the law.
 TEST(Curves, EndWhereTheTableEnds) {
@@ -206,44 +117,6 @@ TEST(Curves, EndWhereTheTableEnds) {
     analysis.rows[0].most_passes = 64;
     EXPECT_EQ(field_of(error_table(analysis), "passes"), "40 to 64");
     EXPECT_THAT(markdown_table(analysis), HasSubstr("| 40 to 64 |"));
-}
-
-// The mean error of the final images is 4.8 %, but one of the seeds stands at 5.6 %.
-TEST(Times, SayThatNotAllSeedsHaveReachedAnError) {
-    std::vector<Cell> cells;
-    for (const auto& [seed, c] : {std::pair<std::uint64_t, double>{1, 0.1}, {2, 0.1}, {3, 0.2}})
-        cells.push_back(run_of("path", c, 1, 64, 0, seed));
-    const Analysis analysis = analysis_of(cells);
-    ASSERT_LT(analysis.rows[0].statistics->rel_mse_corrected, 0.0025);
-    EXPECT_EQ(line_of(time_field(analysis.rows[0], 1)), "not by all seeds (by 2 of 3)");
-    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_5pct"), "");
-    EXPECT_EQ(field_of(error_table(analysis), "seconds_to_5pct_state"), "some seeds");
-}
-
-TEST(Bias, AClippedEstimateIsAnUpperBound) {
-    TableRow row = row_of("photon_mapper", Layer::total, Estimate{-0.05, Interval{-0.2, 0.171}}, 4);
-    row.statistics->rel_bias2 = row.statistics->bias2;
-    row.statistics->rel_mse_corrected = 0.9;  // of which 0.95 is variance
-    EXPECT_EQ(line_of(bias_share_field(row), " %"), "below 18 %");
-    EXPECT_EQ(line_of(bias2_field(row)), "below 0.171");
-    row.is_unbiased = true;
-    EXPECT_EQ(line_of(bias_share_field(row)), "0 (unbiased)");
-}
-
-// The absolute error is that of the lamp's edge, which is noise; the relative one that stands beside the words is bias.
-TEST(Bias, IsAShareOfTheRelativeErrorThatStandsBesideIt) {
-    TableRow row = row_of("radiosity", Layer::total, Estimate{1, Interval{-3, 5}}, 4);
-    row.statistics->variance = Estimate{9, {}};
-    row.statistics->rel_bias2 = Estimate{0.0036, Interval{0.0030, 0.0042}};
-    row.statistics->rel_mse_corrected = 0.0045;
-    EXPECT_EQ(error_kind(row), "bias: 80 % of the squared error, 67 to 93");
-}
-
-TEST(Bias, WhoseWholeIntervalIsBelowZeroTellsNothing) {
-    TableRow row = row_of("photon_mapper", Layer::total, Estimate{-0.05, Interval{-0.08, -0.02}}, 2);
-    row.statistics->rel_bias2 = row.statistics->bias2;
-    EXPECT_EQ(line_of(bias2_field(row)), "cannot be told");
-    EXPECT_EQ(error_kind(row), "bias or noise: not resolved");
 }
 
 TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
@@ -332,17 +205,6 @@ TEST(Extrapolation, UnmetLightIsAFloorThatNoCurveShows) {
     EXPECT_EQ(line_of(variance_field(row)), "cannot be told");
 }
 
-// The better label's run ended before that of the path tracer, so that it does not count for the best, but it is the better one.
-TEST(Verdicts, ShowTheBestLabelOfEachOtherMethod) {
-    const Analysis analysis =
-        analysis_of(joined({runs("path", 1e-2, 0.5, 8), runs("photon_mapper photons=1000", 1e-2, 0.5, 16, 0.03),
-                            runs("photon_mapper photons=30000", 1e-2, 0.5, 4, 0.01)}));
-    std::vector<std::string> methods;
-    for (const VerdictRow& row : verdict(analysis, "box"))
-        if (row.target == 3) methods.push_back(row.method);
-    EXPECT_THAT(methods, ::testing::ElementsAre("path", "photon_mapper photons=30000"));
-}
-
 // Both seeds reach 5 % with their first images, one of which comes after the mean of the two times.
 TEST(Verdicts, TheBestOneHasAnErrorAtItsTime) {
     std::vector<Cell> cells;
@@ -375,42 +237,6 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     analysis.warnings.push_back(*warning);
     const std::string text = markdown_table(analysis);
     EXPECT_LT(text.find("- Warning: the machine was busy"), text.find("## Each method")) << "before any number";
-}
-
-TEST(BusyMachine, IsOneWarningForAllScenes) {
-    std::vector<Cell> cells = joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)});
-    for (std::size_t i = 0, count = cells.size(); i < count; ++i) {
-        cells[i] = busy(cells[i], 0.5);
-        cells.push_back(cells[i]);
-        cells.back().scene = "sky";
-    }
-    const auto warning = busy_machine(analysis_of(cells), "gibench run 'e.toml'");
-    ASSERT_TRUE(warning);
-    EXPECT_EQ(warning->scene, "");
-    EXPECT_THAT(warning->sentence, AllOf(HasSubstr("box, path: threads waited"), HasSubstr("and 2 more")));
-    EXPECT_EQ(warning->command, "gibench run 'e.toml' --fresh");
-    Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
-    for (Cell& cell : analysis.cells)
-        cell = busy(cell, 0.5);
-    EXPECT_EQ(busy_machine(analysis, "gibench run 'e.toml'")->command, "gibench run 'e.toml' --only 'box' --fresh");
-}
-
-// After 16 passes each, the slow method has half of the error; after the fast one's time it has no image.
-TEST(EqualPasses, AreComparedWhereTimesAreNotEqualOrTooLong) {
-    Analysis analysis = analysis_of(joined({runs("fast", 4e-4, 0.01, 0.16), runs("slow", 1e-2, 1, 16)}));
-    const std::string head = "scenes = ['box.xml']\n", methods = "[[method]]\nname = 'path'\n",
-                      row = "| box | total | 16 | slow | 2.50 |  | fast: 2.00 |";
-    for (const std::string budget : {"", "[budget]\npasses = 16\n"}) {
-        analysis.index.experiment_text = head + budget + methods;
-        const std::string text = markdown_table(analysis);
-        EXPECT_THAT(text, HasSubstr(row));
-        EXPECT_THAT(text, AllOf(HasSubstr("## At equal passes"), Not(HasSubstr("## At equal time"))));
-    }
-    analysis.index.experiment_text = head + "[budget]\nseconds = 16\n" + methods;
-    EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("## At equal passes")));
-    for (Cell& cell : analysis.cells)
-        cell = busy(cell, 0.5);
-    EXPECT_THAT(markdown_table(analysis), HasSubstr(row));
 }
 
 TEST(BusyMachine, IsSeenBySeedsWhosePassesTakeLonger) {

@@ -47,7 +47,7 @@ target = "10%"
 name = "path"
 spp = PASSES
 """
-TIMES = ("second", "rss", "law", "halving", "cpu")  # in the names of columns that depend on time
+TIMES = ("second", "rss", "cpu")  # in the names of columns that depend on time
 
 
 class SlurmTest(unittest.TestCase):

@@ -62,26 +62,6 @@ TEST(TuningResult, BeginsWithTheLabelToPasteAndEndsWithAVerdictOfEachMethod) {
     EXPECT_THAT(lines.back(), ContainsRegex("^path spp=100: 10% after 9.00 \\(.*\\) s, measured$"));
 }
 
-TEST(TuningResult, SaysHowLongTheDefaultsTake) {
-    TuningResult result = example();
-    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: 3.00 (2.92 to 3.08) times as long\n"));
-    result.finals[2].verdict = verdict(3, 64);
-    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: over 1.92 times as long\n"))
-        << "the defaults do not reach the target in the 1.92 s that their runs took, whatever their budget was";
-    result.finals[2].verdict = verdict(1.002);
-    EXPECT_THAT(tuning_text(result),
-                ContainsRegex("\nphoton_mapper with the defaults: 1.00 .* long, cannot be told from the best\n"));
-    result.finals[2].verdict = {};
-    EXPECT_THAT(tuning_text(result), HasSubstr("photon_mapper with the defaults: not measured\n"));
-}
-
-TEST(TuningResult, ARunThatChoseItsSettingIsNotCalledFresh) {
-    TuningResult result = example();
-    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), 5 fresh seeds, 95 % interval"));
-    result.finals[0].is_fresh = false;
-    EXPECT_THAT(lines_of(tuning_text(result))[1], HasSubstr("), by the run that chose it"));
-}
-
 // The first method is three times as fast, but makes no image that shows all light.
 TEST(TuningResult, PrefersMethodsThatLeaveOutNothing) {
     TuningResult result = example();
@@ -93,36 +73,6 @@ TEST(TuningResult, PrefersMethodsThatLeaveOutNothing) {
     EXPECT_THAT(lines[lines.size() - 2], HasSubstr(" s, measured, leaves out light of caustic"));
     result.methods[1].left_out.components = {Component::caustic};
     EXPECT_EQ(result.best()->method, 0u) << "none makes all light";
-}
-
-TEST(TuningResult, HasAVerdictWhereNoMethodHasReachedTheTarget) {
-    TuningResult result = example();
-    result.finals.resize(2);
-    result.finals[0].verdict = {.state = Verdict::not_reachable,
-                                .runs = 5,
-                                .error = 0.163,
-                                .seconds_of_error = 3,
-                                .floor = {0.161, Interval{0.158, 0.164}},
-                                .passes = 32};
-    result.finals[1].verdict = verdict(9, 32);
-    EXPECT_EQ(result.best(), nullptr);
-    const auto lines = lines_of(tuning_text(result));
-    EXPECT_EQ(
-        lines[lines.size() - 2],
-        "photon_mapper photons=10000: 10% not reached: these settings have a floor of 16.1 (15.8 to 16.4) %, 16.3 % "
-        "after 3.00 s");
-    EXPECT_THAT(lines.back(),
-                ContainsRegex("^path spp=10[01]: 10% after 9.00 \\(.*\\) s, extrapolated from 17.7 % after 2.88 s$"));
-    result.finals[1].verdict.seconds.interval = Interval{17.9, INFINITY};
-    EXPECT_THAT(tuning_text(result),
-                HasSubstr("\npath: 10% after at least 17.9 s, extrapolated from 17.7 % after 2.88 s"));
-    result.finals[1].verdict.seconds = {2.9, Interval{2.89, INFINITY}};
-    EXPECT_THAT(tuning_text(result), HasSubstr("\npath: 10% not reached: 17.7 % after 2.88 s\n"))
-        << "a bound below twice the runs' time says no more than the runs";
-    result.finals[1] = {1, {}, true, 6, verdict(9), false};
-    EXPECT_THAT(tuning_text(result), HasSubstr(" s, measured, by the run that chose it\n"));
-    result.finals[1].verdict = {};
-    EXPECT_THAT(tuning_text(result), HasSubstr("path: no run was measured\n"));
 }
 
 TEST(TuningResult, HasItsNumbersAsJson) {
