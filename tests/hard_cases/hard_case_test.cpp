@@ -154,38 +154,5 @@ TEST(HardCaseVerdicts, RestOnTheScatterOfSeeds) {
     EXPECT_THAT(problem_of({0, 1e-30}, Relation::black), HasSubstr("a pixel"));
 }
 
-TEST(HardCaseVerdicts, NeitherNanNorNegativeNorRefusedScenesPass) {
-    HardCase hard{};
-    hard.expected = 1;
-    hard.accuracy = 1e-5;
-    HardCaseImages images;
-    images.means = {1, 1};
-    images.smallest = images.largest = 1;
-    const auto problem = [&](const HardCaseImages& found) { return judge(hard, found, 0.01, 0.05).problem; };
-    EXPECT_EQ(problem(images), "");
-    HardCaseImages bad = images;
-    bad.not_finite = 1;
-    EXPECT_NE(problem(bad), "");
-    bad.means = {std::numeric_limits<double>::quiet_NaN(), 1};
-    EXPECT_NE(problem(bad), "");
-    bad = images;
-    bad.negative = 1;
-    EXPECT_NE(problem(bad), "");
-    bad = images;
-    bad.refusal = "a.xml:1:2: radius is too small";
-    EXPECT_NE(problem(bad), "");
-    hard.every_pixel = true;
-    bad = images;
-    bad.smallest = 0.5;
-    EXPECT_NE(problem(bad), "");
-    hard.relation = Relation::refused;
-    hard.refusal = "too small";
-    EXPECT_EQ(problem(images), "not refused");
-    bad.refusal = "a.xml:1:2: radius is too large";
-    EXPECT_NE(problem(bad), "");
-    bad.refusal = "a.xml:1:2: radius is too small";
-    EXPECT_EQ(problem(bad), "");
-}
-
 }  // namespace
 }  // namespace gib::test::hard_case_test

@@ -115,44 +115,6 @@ TEST(SerializedMesh, BothVersionsAndPrecisionsMeanTheSame) {
     EXPECT_TRUE(bare.data.uvs.empty());
 }
 
-TEST(SerializedMesh, ShapeIndexChoosesTheMesh) {
-    for (const int version : {3, 4}) {
-        std::vector<Square> meshes;
-        for (const double side : {1., 2., 3.})
-            meshes.push_back({version, 0x1000, side});
-        const std::string file = file_of(meshes);
-        for (int i = 0; i < 3; ++i)
-            EXPECT_EQ(parse_serialized(file, "m", i).data.positions[1].x(), i + 1);
-        EXPECT_THAT(error_of(file, 3),
-                    StartsWith("m.serialized:1:1: shape_index 3 is out of range: there are 3 meshes"));
-    }
-    // The first mesh can be read without a dictionary at the end of the file.
-    EXPECT_EQ(parse_serialized(Square().stream(), "m", 0).data.triangles.size(), 2u);
-}
-
-TEST(SerializedMesh, BlocksFollowEachOther) {
-    // The mesh has more items than the reader takes at once.
-    constexpr std::uint32_t n = 10'000;
-    std::string raw;
-    append<std::uint32_t>(raw, 0x1000);
-    raw += '\0';
-    append<std::uint64_t>(raw, n);
-    append<std::uint64_t>(raw, n);
-    for (std::uint32_t i = 0; i < 3 * n; ++i)
-        append(raw, static_cast<float>(i));
-    for (std::uint32_t i = 0; i < 3 * n; ++i)
-        append(raw, i / 3);
-    std::string file;
-    append<std::uint32_t>(file, 0x0004041c);
-    const SerializedMesh mesh = parse_serialized(file + compressed(raw), "m", 0);
-    ASSERT_EQ(mesh.data.positions.size(), n);
-    ASSERT_EQ(mesh.data.triangles.size(), n);
-    for (std::uint32_t i = 0; i < n; ++i) {
-        EXPECT_EQ(mesh.data.positions[i].y(), 3 * i + 1);
-        EXPECT_EQ(mesh.data.triangles[i][2], i);
-    }
-}
-
 /// Every flipped bit is noticed, except for a few bits of the deflate stream without a meaning (padding, codes that
 /// do not occur).
 TEST(SerializedMesh, NoFlippedBitOfTheCompressedDataChangesTheMesh) {

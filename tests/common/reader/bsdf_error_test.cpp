@@ -21,14 +21,11 @@ std::string bitmap(const std::string& name, const std::string& file) {
     return named("texture", name, "bitmap", "\n", filename(file));
 }
 
-/// The place (line:column) where the value of the property `tag` with this name stands on line 4.
-std::string value_place(const std::string& tag, const std::string& name) {
-    return "4:" + std::to_string((tag + name).size() + std::string("< name='' ").size() + 1);
+/// The place (line:column) where the value of the number with this name stands on line 4.
+std::string number_place(const std::string& name) {
+    return "4:" + std::to_string(name.size() + std::string("<float name='' ").size() + 1);
 }
 
-std::string number_place(const std::string& name) { return value_place("float", name); }
-
-const std::string textured_kinds = "<rgb>, <float>, <integer>, <spectrum>, <texture>";
 const std::string grey = "<bsdf type='diffuse'/>", glass = "<bsdf type='dielectric'/>";
 
 const std::pair<std::string, std::vector<std::string>> reflectances[] = {
@@ -77,32 +74,6 @@ TEST(BsdfErrors, RoughInterfacesWithoutAChangeOfIndex) {
     expect_errors("roughplastic", {{outside, "4:24", "'int_ior' and 'ext_ior' must differ"}});
 }
 
-TEST(BsdfErrors, Conductors) {
-    const std::string gold = text("material", "Au"), either = "give either 'material' or 'eta' and 'k'";
-    for (const std::string type : {"conductor", "roughconductor"}) {
-        expect_errors(type, {{text("material", "Unobtainium"), "4:25",
-                              "there is no material 'Unobtainium'; known are: none, a-C, Ag, Al, AlAs, AlAs_palik"},
-                             {number("material", 1), "4:1", "'material' cannot be a <float>; it takes: <string>"},
-                             {gold + number("eta", 1), "4:25", either},
-                             {gold + number("k", 1), "4:25", either}});
-        for (const std::string name : {"eta", "k"})
-            expect_errors(
-                type, {{number(name, -1), number_place(name), "'" + name + "' must not be negative: -1"},
-                       {rgb(name, "1 1 -1"), value_place("rgb", name), "'" + name + "' must not be negative: -1"},
-                       {"<spectrum name='" + name + "' value='400:-1 500:1'/>", value_place("spectrum", name),
-                        "'" + name + "' must not be negative: -1"},
-                       {number(name, "nan"), number_place(name), "bad number 'nan'"},
-                       {number(name, "1e10"), number_place(name), "'" + name + "' must be at most 1e+06, not 1e+10"},
-                       {text(name, "gold"), "4:1",
-                        "cannot be a <string>; it takes: <rgb>, <float>, <integer>, <spectrum>, <texture>"},
-                       {bitmap(name, "no.exr"), "5:1", "there is no file 'no.exr'"},
-                       {"<texture name='" + name + "' type='checkerboard'>" + number("color0", "1e7") + "</texture>",
-                        "4:1", "'" + name + "' must be at most 1e+06, not 1e+07 of its texture"}});
-        EXPECT_EQ(error_of(type, text("material", "none") + number("k", 2)), "no error");
-        EXPECT_EQ(error_of(type, number("eta", 0) + number("k", 0)), "no error");
-    }
-}
-
 TEST(BsdfErrors, NestedBsdfs) {
     const std::string any = squares("any"), normals = squares("normalmap");
     expect_errors("blendbsdf", {{"", "3:1", "blendbsdf takes two bsdfs, found 0"},
@@ -131,50 +102,6 @@ TEST(BsdfErrors, TwosidedAroundWhatTransmits) {
                                {bsdf("mask", grey), "4:1", message},
                                {bsdf("normalmap", squares("normalmap"), glass), "4:1", message},
                                {bsdf("twosided", grey), "4:1", "cannot be twosided"}});
-}
-
-TEST(BsdfErrors, BumpAndNormalMaps) {
-    const TemporaryFolder folder;
-    const std::string height = bitmap("any", write_image(folder / "height.exr", 2, 1, 1, {0, 1})) + grey + "\n";
-    const std::string needs = "a normalmap needs a texture named 'normalmap'";
-    expect_errors("bumpmap", {{grey, "3:1", "a bumpmap needs a texture"},
-                              {grey + "\n" + squares("any"), "5:1", "must be a bitmap: it needs a slope"},
-                              {height + squares("other"), "6:1", "can hold only one <texture>"},
-                              {bitmap("any", "no.png") + grey, "5:1", "there is no file 'no.png'"},
-                              {"<texture type='bitmap'/>" + grey, "4:1", "'bitmap' needs 'filename'"},
-                              {height + number("any_float", 1), "6:1", "does not take a parameter 'any_float'"},
-                              {height + number("scale", "nan"), "6:21", "bad number 'nan'"},
-                              {height + number("scale", "1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
-                              {height + number("scale", "-1e20"), "6:21", "'scale' must be between -1e+09 and 1e+09"},
-                              {height + text("scale", "1"), "6:1", "'scale' cannot be a <string>"},
-                              {height + squares("scale"), "6:1", "'scale' cannot be a <texture>"}});
-    expect_errors("normalmap",
-                  {{grey, "3:1", needs},
-                   {grey + squares("normals"), "3:1", needs},
-                   {grey + "\n" + rgb("normalmap", "0 0 2"), "5:23", "between 0 and 1"},
-                   {grey + "\n<bsdf name='normalmap' type='null'/>", "5:1", "'normalmap' cannot be a <bsdf>"},
-                   {grey + squares("normalmap") + "\n" + squares("other"), "5:1",
-                    "bsdf 'normalmap' does not take a <texture>; it takes: normalmap, flip_invalid_normals, "
-                    "use_shadowing_function, <bsdf>"},
-                   {bitmap("normalmap", "no.png") + grey, "5:1", "there is no file 'no.png'"}});
-    EXPECT_EQ(error_of("bumpmap", height + number("scale", -3)), "no error");
-    for (const std::string name : {"flip_invalid_normals", "use_shadowing_function"}) {
-        const auto boolean = [&](const std::string& value) {
-            return "<boolean name='" + name + "' value='" + value + "'/>";
-        };
-        const std::string place = "6" + value_place("boolean", name).substr(1);
-        for (const auto& [type, sound] : {std::pair<std::string, std::string>("bumpmap", height),
-                                          {"normalmap", grey + squares("normalmap") + "\n\n"}}) {
-            EXPECT_EQ(error_of(type, sound + boolean("false")), "no error");
-            expect_errors(type,
-                          {{sound + boolean("1"), place, "'1' is neither true nor false"},
-                           {sound + boolean(""), place, "'' is neither true nor false"},
-                           {sound + number(name, 1), "6:1", "'" + name + "' cannot be a <float>; it takes: <boolean>"},
-                           {sound + squares(name), "6:1", "'" + name + "' cannot be a <texture>"},
-                           {sound + "<boolean name='" + name + "'/>", "6:1", "value"},
-                           {sound + boolean("true") + "\n" + boolean("true"), "7:1", "'" + name + "'"}});
-        }
-    }
 }
 
 TEST(BsdfErrors, BitmapsThatCannotBeRead) {

@@ -21,49 +21,6 @@ void expect_errors(const std::string& type, const std::vector<ExpectedError>& ro
 
 std::string matrix(const std::string& values) { return to_world("<matrix value='" + values + "'/>"); }
 
-TEST(EmitterErrors, Plugins) {
-    expect_errors("moon", {{"", "3:10",
-                            "the emitter 'moon' is not supported; supported are: point, spot, projector, directional, "
-                            "constant, envmap, sunsky, sky, sun, area, collimated"}});
-    test::expect_errors({{shape("sphere") + "\n" + emitter("area"), "3:1", "must stand in a shape"},
-                         {shape("sphere", "\n", emitter("constant")), "3:10", "supported are: area"}});
-}
-
-TEST(EmitterErrors, UnknownParametersAndWrongKinds) {
-    for (const char* type : {"point", "spot", "directional", "constant"})
-        expect_errors(type, {{number("power", 1), "4:1", "does not take a parameter 'power'; it takes: "},
-                             {element("medium", "homogeneous"), "4:1", "does not take a <medium>"},
-                             {number("sampling_weight", 0), "4:31", "'sampling_weight' must be above 0"}});
-    expect_errors(
-        "area", {{number("power", 1), "4:1", "does not take a parameter 'power'; it takes: sampling_weight, radiance"},
-                 {to_world(scale(2)), "4:1", "does not take a parameter 'to_world'"},
-                 {number("sampling_weight", -1), "4:31", "must be above 0"}});
-    expect_errors("spot", {{text("cutoff_angle", "20"), "4:1", "'cutoff_angle' cannot be a <string>"},
-                           {texture("checkerboard"), "4:1", "does not take a <texture>"}});
-    expect_errors("directional", {{rgb("direction", "1 0 0"), "4:1", "'direction' cannot be a <rgb>"}});
-    expect_errors("constant", {{to_world(scale(2)), "4:1", "does not take a parameter 'to_world'"}});
-}
-
-TEST(EmitterErrors, Colours) {
-    for (const auto& [type, name] : {std::pair<std::string, std::string>("point", "intensity"),
-                                     {"spot", "intensity"},
-                                     {"directional", "irradiance"},
-                                     {"constant", "radiance"}}) {
-        const std::string value = "4:" + std::to_string(14 + name.size());
-        expect_errors(type, {{rgb(name, "1 -1 1"), value, "'" + name + "' must not be negative"},
-                             {rgb(name, "1 1"), value, "takes one or three numbers, found 2"},
-                             {rgb(name, "1e39"), value, "too large"},
-                             {named("texture", name, "checkerboard"), "4:1", "cannot be a <texture>"}});
-    }
-    const auto board = [](const std::string& color) {
-        return named("texture", "radiance", "checkerboard", "\n", color);
-    };
-    expect_errors("area", {{rgb("radiance", -1), "4:22", "'radiance' must not be negative"},
-                           {board(rgb("color0", -1)), "5:20", "must not be negative"},
-                           {board(rgb("colour", 1)), "5:1", "does not take a parameter"},
-                           {named("texture", "radiance", "wood"), "4:26", "the texture 'wood' is not supported"}});
-}
-
 TEST(EmitterErrors, Places) {
     const std::string twice = to_world(scale(2));
     expect_errors("point", {{point("position", 1, 0, 0) + "\n" + twice, "5:1", "give either 'position' or 'to_world'"},

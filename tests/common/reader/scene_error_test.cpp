@@ -45,14 +45,6 @@ TEST(SceneErrors, Parameters) {
                 StartsWith("t.xml:1:1: there is no parameter 'b'; the file has: a"));
 }
 
-TEST(SceneErrors, Plugins) {
-    expect_errors({{"<shape type='teapot'/>", "2:8",
-                    "the shape 'teapot' is not supported; supported are: rectangle, cube, sphere, disk, cylinder"},
-                   {"<shape/>", "2:1", "needs the attribute 'type'"},
-                   {ball + "<widget type='x'/>", "2:23", "<scene> cannot hold <widget>"},
-                   {ball + "<translate x='1'/>", "2:23", "<scene> cannot hold <translate>"}});
-}
-
 TEST(SceneErrors, Properties) {
     expect_errors(
         {{"<float name='radios' value='1'/>", "3:1",
@@ -77,28 +69,6 @@ TEST(SceneErrors, Properties) {
          {"<boolean name='flip_normals' value='yes'/>", "3:30", "'yes' is neither true nor false"},
          {"<bsdf type='diffuse'/><bsdf type='diffuse'/>", "3:23", "<shape> can hold only one <bsdf>"}},
         [](const std::string& body) { return error_in("shape", "sphere", body); });
-}
-
-TEST(SceneErrors, Cylinders) {
-    expect_errors({{"<point name='p1' value='0'/>", "3:18", "'p0' and 'p1' are the same point"},
-                   {"<point name='p0' value='0 0 1'/>", "3:18", "'p0' and 'p1' are the same point"},
-                   {"<point name='p1' value='0 0 5e-324'/>", "3:18", "'p0' and 'p1' are the same point"},
-                   {"<point name='p0' value='0 0 -1e308'/>\n<point name='p1' value='0 0 1e308'/>", "1:1",
-                    "the scene is too large"},
-                   {"<point name='p0' value='0 1'/>", "3:18", "one or three numbers"},
-                   {"<float name='radius' value='0'/>", "3:22", "'radius' must be above 0"},
-                   {"<float name='radius' value='1e30'/>", "2:1", "coordinates above"},
-                   {"<float name='radius' value='-1'/>", "3:22", "'radius' must be above 0, not -1"},
-                   {"<float name='radius' value='nan'/>", "3:22", "bad number 'nan'"},
-                   {"<rgb name='radius' value='1'/>", "3:1", "cannot be a <rgb>; it takes: <float>, <integer>"},
-                   {"<point name='p1' value='0 0 inf'/>", "3:18", "bad number 'inf'"},
-                   {"<point name='p1' value='0 0 1e-30'/>", "2:1", "the cylinder is too small"},
-                   {"<string name='p0' value='0'/>", "3:1", "cannot be a <string>; it takes: <point>, <vector>"},
-                   {"<boolean name='flip_normals' value='1'/>", "3:30", "'1' is neither true nor false"},
-                   {"<float name='length' value='1'/>", "3:1",
-                    "does not take a parameter 'length'; it takes: <bsdf>, <emitter>, interior, exterior, "
-                    "silhouette_sampling_weight, to_world, p0, p1, radius, flip_normals"}},
-                  [](const std::string& body) { return error_in("shape", "cylinder", body); });
 }
 
 TEST(SceneErrors, Instances) {
@@ -159,32 +129,6 @@ TEST(SceneErrors, References) {
                     "type='sphere'><ref id='e'/></shape>",
                     "3:1", "'radiance' must not be negative"},
                    {ball + "<alias id='a' as='b'/>", "2:30", "there is no object with the id 'a'"}});
-}
-
-std::string sensor_error(const std::string& sensor) { return error_of(scene_xml(ball + "\n" + sensor)); }
-
-TEST(SceneErrors, Sensors) {
-    const auto film = [](const std::string& body) { return "<film type='hdrfilm'>\n" + body + "</film>"; };
-    expect_errors(
-        {{"<string name='focal_length' value='5cm'/>", "3:29", "bad number '5cm'"},
-         {"<float name='near_clip' value='0'/>", "3:25", "'near_clip' must be above 0"},
-         {"<float name='near_clip' value='5'/><float name='far_clip' value='4'/>", "3:25", "must be below 'far_clip'"},
-         {"<float name='fov' value='50'/><string name='fov_axis' value='z'/>", "3:55",
-          "'fov_axis' cannot be 'z'; it takes: x, y, diagonal, smaller, larger"},
-         {"<transform name='to_world'><scale value='2'/></transform>", "3:1",
-          "the to_world of a perspective sensor must not scale"},
-         {film("<integer name='width' value='0'/>"), "4:23", "'width' must be between 1 and"},
-         {film("<integer name='width' value='2.5'/>"), "4:23", "bad number '2.5'"},
-         {"\n" + film("<integer name='width' value='40000'/><integer name='height' value='40000'/>"), "4:1",
-          "an image of 40000 x 40000 pixels is above 1e+09 pixels"},
-         {number("fov", 0), "3:19", "'fov' must be between 0 and 180"},
-         {number("fov", 180), "3:19", "'fov' must be between 0 and 180"},
-         {number("fov", -5), "3:19", "'fov' must be between 0 and 180"}},
-        [](const std::string& body) { return sensor_error("<sensor type='perspective'>\n" + body + "</sensor>"); });
-    expect_errors({{"<sensor type='fisheye'/>", "2:9",
-                    "the sensor 'fisheye' is not supported; supported are: perspective, thinlens, orthographic"}},
-                  sensor_error);
-    EXPECT_THAT(scene_error(ball, "t.xml", {{}, std::pair(0, 5)}), HasSubstr("0 x 5"));
 }
 
 TEST(SceneErrors, Integrators) {

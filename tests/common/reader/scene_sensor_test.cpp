@@ -148,31 +148,6 @@ std::string error_of(const std::string& sensor) {
     return input_error_of([&] { load("\n" + sensor); });
 }
 
-TEST(SceneSensorErrors, Lenses) {
-    const auto lens = [](const std::string& body) { return element("sensor", "thinlens", "\n", body); };
-    const std::string radius = number("aperture_radius", 1) + "\n";
-    expect_errors(
-        {{lens(""), "2:1", "'thinlens' needs 'aperture_radius'"},
-         {lens(number("aperture_radius", -1)), "3:31", "'aperture_radius' must not be negative: -1"},
-         {lens(number("aperture_radius", "x")), "3:31", "bad number 'x'"},
-         {lens(number("aperture_radius", "nan")), "3:31", "bad number 'nan'"},
-         {lens(radius + number("focus_distance", "inf")), "4:30", "bad number 'inf'"},
-         {lens(radius + rgb("focus_distance", 1)), "4:1",
-          "'focus_distance' cannot be a <rgb>; it takes: <float>, <integer>"},
-         {element("sensor", "orthographic", "\n", radius), "3:1",
-          "sensor 'orthographic' does not take a parameter 'aperture_radius'"},
-         {element("sensor", "orthographic", "\n", number("fov", 50)), "3:1",
-          "sensor 'orthographic' does not take a parameter 'fov'; it takes: to_world"},
-         {lens(text("aperture_radius", "1")), "3:1", "cannot be a <string>"},
-         {lens(radius + number("focus_distance", 0)), "4:30", "'focus_distance' must be above 0, not "},
-         {lens(radius + number("focus_distance", -2)), "4:30", "'focus_distance' must be above 0, not "},
-         {lens(radius + to_world(scale(2))), "4:1", "the to_world of a perspective sensor must not scale"},
-         {lens(radius + number("principal_point_offset_x", 1)), "4:1",
-          "sensor 'thinlens' does not take a parameter 'principal_point_offset_x'"},
-         {perspective("\n", radius), "3:1", "sensor 'perspective' does not take a parameter 'aperture_radius'"}},
-        error_of);
-}
-
 TEST(SceneSensorErrors, Crops) {
     expect_errors(
         {{crop("1", "", "", ""), "3:31", "the crop window from 1 to 17 is not within the film's 16 pixels"},
@@ -183,21 +158,6 @@ TEST(SceneSensorErrors, Crops) {
          {crop("", "", "", "0"), "3:29", "'crop_height' must be between 1 and"},
          {"\n" + number("crop_width", 3), "3:1", "cannot be a <float>"}},
         [](const std::string& body) { return error_of(perspective(film(16, body))); });
-}
-
-TEST(SceneSensorErrors, FiltersSamplersAndIntegrators) {
-    expect_errors({{element("rfilter", "sinc"), "3:10",
-                    "the rfilter 'sinc' is not supported; supported are: box, tent, gaussian"},
-                   {element("rfilter", "tent", radius(0)), "3:43", "'radius' must be above 0"},
-                   {element("rfilter", "tent", number("stddev", 1)), "3:22",
-                    "rfilter 'tent' does not take a parameter 'stddev'; it takes: radius"},
-                   {element("rfilter", "gaussian", number("stddev", 0)), "3:47", "'stddev' must be above 0"},
-                   {element("rfilter", "gaussian", radius(2)), "3:26",
-                    "rfilter 'gaussian' does not take a parameter 'radius'; it takes: stddev"}},
-                  [](const std::string& body) { return error_of(perspective(film(4, "\n" + body))); });
-    expect_errors({{element("sampler", "independent", integer("sample_count", 0)), "3:58",
-                    "'sample_count' must be between 1 and"}},
-                  [](const std::string& body) { return error_of(perspective("\n", body)); });
 }
 
 // Films, samplers and integrators of any name are taken for what counts here; a warning says what does not.

@@ -69,14 +69,6 @@ protected:
     std::string main_ = folder_ / "main.xml";
 };
 
-TEST_F(SceneTextures, TakeValuesAsBefore) {
-    EXPECT_TRUE((reflectance("").color(Vec2{0, 0}) == 0.5f).all());
-    const Texture colour = reflectance(rgb("reflectance", "0.1 0.2 0.3"));
-    EXPECT_TRUE(colour.constant());
-    EXPECT_TRUE((colour.color(Vec2{0, 0}) == Color(0.1f, 0.2f, 0.3f)).all());
-    expect_errors_in({{rgb("reflectance", 2), "3:25", ""}});
-}
-
 TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
     const Texture texture = reflectance(bitmap("two.png"));
     EXPECT_FALSE(texture.constant());
@@ -194,38 +186,6 @@ TEST_F(SceneTextures, OutsideOfTheirRangeAreRefused) {
                      ColorRange::non_negative);
     const std::string shared = with_id("texture", "bitmap", "t", filename("bright.exr")) + "\n";
     EXPECT_THAT(error_of(shared + refers), StartsWith(main_ + ":3:22: " + unit));
-}
-
-TEST_F(SceneTextures, WithWrongParametersAreErrorsAtTheirPlace) {
-    expect_errors_in({
-        {named("texture", "reflectance", "marble"), "3:29",
-         "the texture 'marble' is not supported; supported are: bitmap, checkerboard"},
-        {"<texture name='reflectance'/>", "3:1", "needs the attribute 'type'"},
-        {named("texture", "reflectance", "bitmap"), "3:1", "'bitmap' needs 'filename'"},
-        {bitmap("no.png"), "3:43", "there is no file 'no.png'; searched: "},
-        {bitmap("two.png", "\n" + text("wrap_mode", "wide")), "4:26",
-         "'wrap_mode' cannot be 'wide'; it takes: repeat, mirror, clamp"},
-        {bitmap("two.png", "\n" + text("filter_type", "cubic")), "4:28",
-         "'filter_type' cannot be 'cubic'; it takes: nearest, bilinear"},
-        {bitmap("two.png", "\n" + text("wrap_mode_u", "zero")), "4:1",
-         "texture 'bitmap' does not take a parameter 'wrap_mode_u'"},
-        {bitmap("two.png", "\n" + text("format", "fp8")), "4:23", "'format' cannot be 'fp8'"},
-        {bitmap("two.png", "\n" + value_element("boolean", "raw", "1")), "4:21", "'1' is neither true nor false"},
-        {bitmap("two.png", "\n" + number("uscale", 2)), "4:1",
-         "texture 'bitmap' does not take a parameter 'uscale'; it takes: filename, filter_type, wrap_mode, to_uv, raw"},
-        {bitmap("two.png", "\n" + filename("two.png")), "4:1", "'filename' is given twice"},
-        {bitmap("two.png", "\n" + to_uv(scale(0))), "4:1", "singular"},
-        {bitmap("two.png", "\n" + to_uv("<matrix value='1 0 0.5 0 1 0 0 0 1'/>")), "4:1",
-         "'to_uv' must map u and v alone"},
-        {bitmap("two.png", "\n" + number("to_uv", 2)), "4:1", "'to_uv' cannot be a <float>"},
-        {board("\n", rgb("colour0", 0)), "4:1",
-         "texture 'checkerboard' does not take a parameter 'colour0'; it takes: color0, color1, to_uv"},
-        {board("\n", named("bsdf", "color0", "null")), "4:1", "'color0' cannot be a <bsdf>"},
-        {"<texture name='reflectance' type='checkerboard' id='a'>\n<ref name='color0' id='a'/></texture>", "4:1",
-         "the texture holds itself"},
-        {named("bsdf", "reflectance", "null"), "3:1", "'reflectance' cannot be a <bsdf>"},
-        {texture("bitmap"), "3:1", "bsdf 'diffuse' does not take a <texture>"},
-    });
 }
 
 TEST_F(SceneTextures, InImageFilesThatAreWrongAreErrorsOfTheFile) {

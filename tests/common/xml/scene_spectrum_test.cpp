@@ -223,33 +223,5 @@ TEST(SpectrumErrors, Files) {
         main);
 }
 
-TEST(SpectrumErrors, Plugins) {
-    const auto of = [](const std::string& type, const std::string& content = "") {
-        return named("spectrum", "radiance", type, "\n", content);
-    };
-    expect_errors(
-        {{of("sodium"), "3:27",
-          "the spectrum 'sodium' is not supported; supported are: uniform, regular, irregular, srgb, d65, blackbody"},
-         {of("uniform"), "3:1", "'uniform' needs 'value'"},
-         {of("uniform", number("value", -1)), "4:21", "'radiance' must not be negative: -1"},
-         {of("uniform", number("value", 1) + number("b", 1)), "4:32",
-          "spectrum 'uniform' does not take a parameter 'b'"},
-         {of("blackbody"), "3:1", "'blackbody' needs 'temperature'"},
-         {of("blackbody", number("temperature", 0)), "4:27", "'temperature' must be above 0"},
-         {of("srgb"), "3:1", "'srgb' needs 'color'"},
-         {of("srgb", spectrum("color", 1)), "4:1",
-          "'color' cannot be a <spectrum>; it takes: <rgb>, <float>, <integer>"},
-         {of("srgb' id='a", reference("color", "a")), "4:1", "'color' cannot be a <spectrum>"},
-         {of("d65", number("scale", -1)), "4:21", "'radiance' must not be negative: -1"},
-         {of("irregular", text("values", "1 2") + text("wavelengths", "1")), "4:23", "found 2 values at 1 wavelengths"},
-         {of("irregular", text("values", "1 2")), "3:1", "needs 'wavelengths'"},
-         {of("regular", text("values", "1 2") + number("wavelength_min", 500) + number("wavelength_max", 400)), "4:23",
-          "the wavelengths must increase: 400 follows 500"}},
-        [](const std::string& content) { return lamp_error(content); });
-    const std::string glowing = named("spectrum", "reflectance", "blackbody");
-    EXPECT_THAT(scene_error(shape("sphere", bsdf("diffuse", "\n", glowing))),
-                StartsWith("t.xml:3:1: 'reflectance' cannot be a blackbody: only an emission can"));
-}
-
 }  // namespace
 }  // namespace gib::test::scene_spectrum_test

@@ -282,13 +282,6 @@ TEST_F(CommandLineTest, ARunEndsWithItsVerdict) {
     EXPECT_EQ(run("compare-runs new/deep/r nowhere").code, 2);
 }
 
-TEST_F(CommandLineTest, HelpOfRunHasTheKeysOfAnExperimentFile) {
-    const std::string help = run("run --help").out;
-    for (const char* key : {"title", "scenes", "paths", "resolution", "seeds", "epsilon", "budget", "[reference]",
-                            "target", "seconds", "[[method]]", "name"})
-        EXPECT_THAT(help, HasSubstr(key));
-}
-
 TEST_F(CommandLineTest, ListsNameFirst) {
     EXPECT_THAT(run("list methods").out, AllOf(StartsWith("path "), HasSubstr("\nphoton_mapper ")));
     EXPECT_THAT(run("list methods --parameters").out, AllOf(HasSubstr("  photons"), HasSubstr("  spp")));

@@ -297,10 +297,5 @@ TEST(CompareRuns, OnABusyMachineErrorsAreComparedAtEqualPasses) {
     EXPECT_THAT(change_table(comparison).text(), HasSubstr(",error_at_passes,64,"));
 }
 
-TEST(CompareRuns, OneNumberIsSingular) {
-    const RunComparison one{.changes = {{.scene = "box", .method = "a"}}, .remarks = {}};
-    EXPECT_THAT(change_text(one), HasSubstr("\n1 number: 0 better"));
-}
-
 }  // namespace
 }  // namespace gib::test::run_comparison_test

@@ -11,11 +11,6 @@ constexpr double pi = std::numbers::pi;
 
 std::string grey(double rho) { return one_sided(std::to_string(rho)); }
 
-/// A hollow cube of one reflectance with a light near a wall.
-PatchedScene cube_of(double rho, double size, double error = 0) {
-    return {hollow_cube(grey(rho)) + point_light(0.5, 0, 0, 1), size, error};
-}
-
 /// A cubic room with a block in it. Its walls have different reflectances; one reflects nothing in two channels.
 const std::string coloured_room =
     shape("rectangle", to_world(translate(0, 0, -1)), one_sided("0.8 0.6 0.4")) +
@@ -41,32 +36,6 @@ RadiositySolution solved(const RadiositySystem& system, RadiositySolver solver, 
 }
 RadiositySolution iterated(const RadiositySystem& system, double residual) {
     return solved(system, RadiositySolver::hierarchical, residual);
-}
-
-// The iteration and the factors of the matrix find the same solution, also where a patch reflects nothing in a channel.
-TEST(RadiositySystem, EverySolverFindsTheSameSolution) {
-    const PatchedScene scene(coloured_room, 0.51, 0, false);
-    for (const PatchLink& link : scene.links)
-        for (const std::uint32_t end : {link.p, link.q})
-            ASSERT_TRUE(scene.mesh.nodes()[end].is_leaf());
-    const auto truth = solved(scene.system, RadiositySolver::direct, 1e-10);
-    EXPECT_EQ(truth.sweeps(), 1);
-    const auto found = iterated(scene.system, 1e-7);
-    for (const std::uint32_t leaf : scene.system.leaves())
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(found.radiosity()[leaf][c], truth.radiosity()[leaf][c], 1e-5 * truth.radiosity()[leaf][c])
-                << leaf;
-}
-
-// Walls of a closed cube reflect the share rho of all light that reaches them. The mean indirect irradiance is flux /
-// area rho / (1 - rho), whatever the walls see of each other.
-TEST(RadiositySystem, AClosedRoomsMeanIndirectLightIsAGeometricSeries) {
-    for (const double rho : {0.1, 0.5, 0.9, 0.99}) {
-        const PatchedScene scene(hollow_cube(grey(rho)) + point_light(0, 0, 0, 1), 0.26, 0.02);
-        const auto solution = iterated(scene.system, 1e-5);
-        const PatchColors E = scene.system.irradiance(solution.radiosity());
-        EXPECT_NEAR(mean_over(scene.system, E, 0) / (4 * pi / 24 * rho / (1 - rho)), 1, 0.005) << rho;
-    }
 }
 
 // Form factors between flat patches without occluders have a closed form, so the scaling of rows corrects little.
@@ -103,34 +72,6 @@ double unevenness_of_a_sphere(double size) {
 TEST(RadiositySystem, AnIntegratingSphereIsLitMoreEvenlyByFinerPatches) {
     const double coarse = unevenness_of_a_sphere(0.45), fine = unevenness_of_a_sphere(0.225);
     EXPECT_LT(fine, coarse / 2) << coarse << ' ' << fine;
-}
-
-TEST(RadiositySystem, WhiteWallsConverge) {
-    const PatchedScene scene = cube_of(0.999, 0.51, 0.02);
-    const auto solution = iterated(scene.system, 1e-4);
-    EXPECT_LT(solution.residual(), 1e-4);
-    EXPECT_NEAR(mean_over(scene.system, scene.system.irradiance(solution.radiosity()), 0) / (4 * pi / 24 * 999), 1,
-                0.005);
-}
-
-TEST(RadiositySystem, PathsAreCutOffAsTheSeriesIs) {
-    const PatchedScene scene(coloured_room, 0.6, 0, false);
-    PatchColors series, term(scene.mesh.nodes().size(), Colord::Zero());
-    for (const std::uint32_t leaf : scene.system.leaves())
-        term[leaf] = scene.system.first_reflection(leaf);
-    series = term;
-    for (int n = 1; n <= 4; ++n) {
-        RadiositySolution solution(scene.system, RadiositySolver::hierarchical, n);
-        while (solution.residual() > 0)
-            solution.sweep();
-        for (const std::uint32_t leaf : scene.system.leaves())
-            EXPECT_NEAR(solution.radiosity()[leaf].sum(), series[leaf].sum(), 1e-12 * series[leaf].sum()) << n;
-        const PatchColors E = scene.system.irradiance(term);
-        for (const std::uint32_t leaf : scene.system.leaves()) {
-            term[leaf] = scene.system.reflectance(leaf) * E[leaf];
-            series[leaf] += term[leaf];
-        }
-    }
 }
 
 // Links between groups transport the same light as links between all patches, and there are fewer of them.

@@ -137,24 +137,6 @@ TEST(DensityEstimate, DoesNotDependOnTheLookUpsBefore) {
     EXPECT_FLOAT_EQ(radiance(2, &last), radiance(2, nullptr));
 }
 
-// The photons within reach lie on the surface, on its underside, on a wall and on a ledge above. `plain` counts all
-// of them, as the textbooks' estimate does; `rejected` and `surface` count the first only.
-TEST(DensityEstimate, PlainCountsEveryPhotonInTheBall) {
-    const std::vector<Photon> photons = {photon_at(Vec3(0.1f, 0, 0), up, 1),
-                                         photon_at(Vec3(0.1f, 0.1f, -1e-3f), -up, 2),
-                                         photon_at(Vec3(0.2f, 0, 0.05f), Vec3(-1, 0, 0), 4),
-                                         photon_at(Vec3(0.1f, 0, 0.2f), up, 8), photon_at(Vec3(0.4f, 0.4f, 0), up, 16)};
-    const float disc = pi * 0.25f * pi;
-    for (std::size_t k : {std::size_t{10}, all_photons}) {
-        const auto of = [&](DiscArea area) {
-            return FewPhotons().radiance({Kernel::uniform, k, 0.5f, area}, photons) * disc;
-        };
-        EXPECT_NEAR(of(DiscArea::plain), 15.f, 1e-4f);
-        EXPECT_NEAR(of(DiscArea::rejected), 1.f, 1e-5f);
-        EXPECT_NEAR(of(DiscArea::surface), 1.f, 1e-5f);
-    }
-}
-
 // A fixed radius counts all photons within it, however many there are, and stores none.
 TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
     std::vector<Photon> photons;

@@ -23,7 +23,7 @@
 #include <random>
 #include <sstream>
 
-namespace gib::test::statistics_test {
+namespace gib::test::degenerate_statistics_test {
 namespace {
 
 using testing::HasSubstr;
@@ -118,28 +118,6 @@ TEST_P(Outliers, AreLeftOutAsTheFormulasSay) {
     expect(found.share, c.share, "share");
     const bool few = !std::isnan(c.share) && !std::isnan(c.trimmed) && c.share >= 0.5;
     EXPECT_EQ(is_decided_by_outliers(found), few);
-}
-
-/// The analysis of one scene with one method.
-Analysis analysis_with(const RobustError& robust) {
-    Analysis analysis;
-    analysis.index.title = "T";
-    TableRow row;
-    row.scene = "box";
-    row.method = "path spp=1";
-    row.statistics = ReplicateStatistics{1, {1, {}}, {1, {}}, {1, {}}, 1, 1, {}, {}, {}};
-    row.robust = robust;
-    analysis.rows.push_back(row);
-    return analysis;
-}
-
-TEST(RobustErrors, StandInTheTableAndAreFlaggedWhereTheyDecide) {
-    const Analysis firefly = analysis_with({0.0004, 0.0009, 0.75});
-    EXPECT_THAT(markdown_table(firefly), HasSubstr("| box | path | 2.00 | 3.00 | 75.00 |"));
-    EXPECT_THAT(markdown_table(analysis_with({0.0004, 0.0009, 0.25})), testing::Not(HasSubstr("few pixels")));
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    const Analysis one_pixel = analysis_with({0.5, none, 1});
-    EXPECT_THAT(markdown_table(one_pixel), testing::Not(HasSubstr("few pixels")));
 }
 
 /// Compares image files by `compare` and reads its JSON.
@@ -255,4 +233,4 @@ TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
 }
 
 }  // namespace
-}  // namespace gib::test::statistics_test
+}  // namespace gib::test::degenerate_statistics_test

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace gib::test::photons_test {
+namespace gib::test::degenerate_photons_test {
 namespace {
 
 constexpr double pi_d = std::numbers::pi;
@@ -214,54 +214,5 @@ TEST_P(DegeneratePhotons, EstimateInAMediumIsWhatTheoryHas) {
             }
 }
 
-// The estimate with a fixed radius spreads each photon's power by a kernel of integral 1. Its integral over the plane
-// is the power, wherever the photons are, also at a focus. The midpoint rule has an error of second order, below 1e-6
-// of the integral; the rim lies between two midpoints.
-TEST(FocusedPhotons, OfAFixedRadiusKeepTheirPowerOverTheDisc) {
-    constexpr int steps = 2000;
-    const std::vector<Photon> photons = copies(10, photon(0, 0, 0.5f));
-    const PhotonMap map(photons, 1);
-    for (std::size_t kernel = 0; kernel < kernel_names.size(); ++kernel)
-        for (const std::size_t k : {std::size_t{11}, all_photons}) {
-            const DensityEstimator on_floor{static_cast<Kernel>(kernel), k, 0.5f, DiscArea::rejected};
-            const VolumeEstimator in_space{static_cast<Kernel>(kernel), k, 0.5f, DiscArea::plain};
-            double over_disc = 0, over_ball = 0;
-            for (int i = 0; i < steps; ++i) {
-                const double d = (i + 0.5) / steps;
-                const Vec3 p(static_cast<float>(d), 0, 0);
-                over_disc += pi_d * static_cast<double>(looked_up(on_floor, map, floor_at(p)).between_surfaces[0]) * 2 *
-                             pi_d * d / steps;
-                over_ball += static_cast<double>(scattered(in_space, map, p)[0]) * 4 * pi_d * 4 * pi_d * d * d / steps;
-            }
-            EXPECT_NEAR(over_disc, 5, 1e-5 * 5) << kernel_names[kernel] << ' ' << k;
-            EXPECT_NEAR(over_ball, 5, 1e-5 * 5) << kernel_names[kernel] << ' ' << k;
-        }
-}
-
-// n >= k photons lie in one place, so the k nearest are on the rim everywhere. The estimate is (k - 1) P / (pi d^2)
-// from d = delta, the rounding of places, to the largest radius. Its integral grows with the logarithm of their
-// ratio, which only a fixed radius would avoid. Within delta the estimate is n P / (pi delta^2): it is bounded, and
-// the power n P is there.
-TEST(FocusedPhotons, OfKNearestFallWithTheSquareDownToRounding) {
-    constexpr std::size_t n = 100, k = 20;
-    const PhotonMap map(copies(n, photon(0, 0)), 1);
-    const DensityEstimator e{Kernel::uniform, k, 1.f, DiscArea::surface};
-    const double delta = known_at(Vec3::Zero());
-    double integral = 0;
-    constexpr double per_octave = 8;
-    const double bound = n / (pi_d * delta * delta);
-    for (double d = 1.01 * delta; d < 0.99; d *= std::exp2(1 / per_octave)) {
-        const auto x = static_cast<float>(d);
-        const double E = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3(x, 0, 0))).between_surfaces[0]);
-        EXPECT_NEAR(E * pi_d * sqr(static_cast<double>(x)) / (k - 1), 1, 1e-5) << d;
-        EXPECT_LE(E, bound);
-        integral += E * 2 * pi_d * sqr(d) * std::log(2.0) / per_octave;
-    }
-    const double octaves = std::ceil(per_octave * std::log2(0.99 / (1.01 * delta))) / per_octave;
-    EXPECT_NEAR(integral, 2.0 * (k - 1) * std::log(2.0) * octaves, 1e-4 * integral);
-    const double inside = pi_d * static_cast<double>(looked_up(e, map, floor_at(Vec3::Zero())).between_surfaces[0]);
-    EXPECT_NEAR(inside * pi_d * delta * delta / n, 1, 1e-5);
-}
-
 }  // namespace
-}  // namespace gib::test::photons_test
+}  // namespace gib::test::degenerate_photons_test

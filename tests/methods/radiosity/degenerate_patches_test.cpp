@@ -9,12 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
-namespace gib::test::patches_test {
+namespace gib::test::degenerate_patches_test {
 namespace {
 
-constexpr double pi_d = std::numbers::pi;
 /// Rows of a closed system sum up to 1 within this (methods/radiosity/system.cpp).
 constexpr double row_rounding = 1e-7;
 /// A solution has converged if the missing power is at most this share of the power that is reflected first.
@@ -141,21 +139,6 @@ TEST(RadiosityLabel, HasTheFurnaceOfEveryDepthByEverySolver) {
     }
 }
 
-TEST(RadiosityLabel, GathersTheFurnaceOfEveryDepth) {
-    for (const int depth : {2, 3, 4, 8}) {
-        const LoadedScene scene = scene_of(furnace_sphere(1, 1.0 / depth, depth));
-        EXPECT_NEAR(mean_of(render(scene, "radiosity patch=0.2 gather=4", 4).total()).mean(), 1,
-                    5 / std::sqrt(16.0 * 96))
-            << depth;
-    }
-}
-
-TEST(RadiosityLabel, RefusesLightThatIsShutInForEver) {
-    const LoadedScene scene = scene_of(furnace_sphere(1, 1, -1));
-    for (const std::string_view solver : radiosity_solver_names)
-        EXPECT_THROW(render(scene, "radiosity patch=0.2 solver=" + std::string(solver), 1), InputError) << solver;
-}
-
 /// A floor of albedo 0.5 and side 2 below `ceiling`, with a point light at z = 0.5.
 std::string floor_and(const std::string& ceiling) {
     return shape("rectangle", diffuse_bsdf(0.5)) + ceiling + point_light(0.1, 0.2, 0.5, 1);
@@ -266,4 +249,4 @@ TEST(DegeneratePatches, NeedlesAndPatchesOfUnequalSizeCloseTheRoom) {
 }
 
 }  // namespace
-}  // namespace gib::test::patches_test
+}  // namespace gib::test::degenerate_patches_test

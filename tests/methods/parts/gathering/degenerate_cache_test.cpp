@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace gib::test::cache_test {
+namespace gib::test::degenerate_cache_test {
 namespace {
 
 const Vec3 up(0, 0, 1);
@@ -191,4 +191,4 @@ TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
 }
 
 }  // namespace
-}  // namespace gib::test::cache_test
+}  // namespace gib::test::degenerate_cache_test
