@@ -243,7 +243,7 @@ void measure_command(const std::string& request_file) {
     leave_result(request, measured(request));
 }
 
-CellResult run_external_cell(const CommandCell& cell, const RendererInput& input) {
+Measurement run_external_cell(const CommandCell& cell, const RendererInput& input) {
     const std::string work = absolute(cell.work_folder);
     std::map<std::string, std::string> values = {
         {"scene", absolute(input.scene_file)}, {"out", work + "/image." + cell.method.image_format},
@@ -252,10 +252,10 @@ CellResult run_external_cell(const CommandCell& cell, const RendererInput& input
     if (input.seconds) values["seconds"] = fmt::format("{}", *input.seconds);
     const auto [image, cost] = image_by_command(cell, "its command", std::move(values));
     write_scratch_exr(checkpoint_image(cell.work_folder, input.spp), {{{"", image}}, {}});
-    CellResult result;
-    result.measurement.checkpoints.push_back(
+    Measurement result;
+    result.checkpoints.push_back(
         {.passes = input.spp, .seconds = cost.seconds, .counts = {}, .peak_rss_mib = cost.peak_rss_mib});
-    result.measurement.stages.push_back({"command", cost.seconds});
+    result.stages.push_back({"command", cost.seconds});
     return result;
 }
 

@@ -57,7 +57,7 @@ struct RendererInput {
 /// only layer is R,G,B. Charged is the wall-clock time of the whole command. Throws RunError, with the last line of its
 /// standard error, if the command fails, is killed or takes too long, and if its image is missing, has another size or has
 /// values that are not finite; Interrupted on Ctrl-C.
-CellResult run_external_cell(const CommandCell& cell, const RendererInput& input);
+Measurement run_external_cell(const CommandCell& cell, const RendererInput& input);
 
 /// Puts the command's image in the place of that of each checkpoint (checkpoint_image()), whose further layers it may read. It is
 /// run once for each, and the checkpoint is charged with its wall-clock time. Throws like run_external_cell().

@@ -24,9 +24,8 @@ static auto json_fields(RecordOf<CellRequest> auto& r) {
         JsonField{"features", r.features}, JsonField{"variance", r.variance}, JsonField{"work_folder", r.work_folder});
 }
 
-static auto json_fields(RecordOf<CellResult> auto& result) {
-    auto& m = result.measurement;
-    return std::tuple(JsonField{"load_seconds", result.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
+static auto json_fields(RecordOf<Measurement> auto& m) {
+    return std::tuple(JsonField{"load_seconds", m.load_seconds}, JsonField{"prepare_seconds", m.prepare_seconds},
                       JsonField{"converged", m.converged}, JsonField{"checkpoints", m.checkpoints},
                       JsonField{"stages", m.stages}, JsonField{"processor_seconds", m.processor_seconds},
                       JsonField{"waiting_seconds", m.waiting_seconds});
@@ -68,7 +67,9 @@ void measure_request(const CellRequest& request) {
         fmt::print("{} {}\n", passes, seconds);
         std::fflush(stdout);
     };
-    leave_result(request, CellResult{load_seconds, measure(work, sink, observer)});
+    Measurement measured = measure(work, sink, observer);
+    measured.load_seconds = load_seconds;
+    leave_result(request, measured);
 }
 
 }  // namespace
@@ -78,14 +79,14 @@ void measure_cell(const std::string& request_file) {
     with_threads(request.threads, [&] { measure_request(request); });
 }
 
-CellResult run_cell_process(const CellRequest& request, const PassObserver& observer) {
+Measurement run_cell_process(const CellRequest& request, const PassObserver& observer) {
     const auto show = [&](const std::string& line) {
         std::istringstream words(line);
         std::uint32_t passes = 0;
         double seconds = 0;
         if (observer && words >> passes >> seconds) observer(passes, seconds);
     };
-    return result_of_child<CellResult>("measure-cell", request, show);
+    return result_of_child<Measurement>("measure-cell", request, show);
 }
 
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes) {

@@ -28,17 +28,12 @@ struct CellRequest {
     std::string work_folder;
 };
 
-struct CellResult {
-    double load_seconds = 0;
-    Measurement measurement;
-};
-
 /// Runs in the child: reads the request, measures the cell and writes the results. Throws RunError if the scene has changed
 /// since the parent checked it.
 void measure_cell(const std::string& request_file);
 
 /// Runs in the parent. `observer` receives the child's progress. Throws as result_of_child() does.
-CellResult run_cell_process(const CellRequest& request, const PassObserver& observer = {});
+Measurement run_cell_process(const CellRequest& request, const PassObserver& observer = {});
 
 /// The path of the image that the child writes for a checkpoint.
 std::string checkpoint_image(const std::string& work_folder, std::uint32_t passes);

@@ -36,6 +36,7 @@ struct MeasureWork {
 };
 
 struct Measurement {
+    double load_seconds = 0;     ///< [s] of reading the scene; whoever reads it sets them
     double prepare_seconds = 0;  ///< wall-clock time of `start` [s]
     std::vector<Checkpoint> checkpoints;
     std::vector<StageTimes::Stage> stages;  ///< the last one, `other`, is the charged time outside all stages

@@ -1,6 +1,5 @@
 #include "experiments/results/manifest.h"
 
-#include "experiments/measuring/measurement_json.h"
 #include "experiments/system/build_info.h"
 #include "experiments/text/json_record.h"
 
@@ -13,11 +12,6 @@
 #include <thread>
 
 namespace gib {
-
-static auto json_fields(RecordOf<ManifestCell> auto& c) {
-    return std::tuple(JsonField{"scene", c.scene}, JsonField{"method", c.method}, JsonField{"seed", c.seed},
-                      JsonField{"passes", c.passes}, JsonField{"image", c.image});
-}
 
 static auto json_fields(RecordOf<Manifest::Scene> auto& s) {
     return std::tuple(JsonField{"name", s.name}, JsonField{"file", s.file}, JsonField{"content_hash", s.content_hash},
@@ -80,7 +74,13 @@ std::string manifest_text(const ResultIndex& index, const ManifestRun& run) {
     j["experiment_file"] = run.experiment_file;
     j["experiment"] = index.experiment_text;
     j["resolution"] = run.resolution;  // null: the scenes' own
-    j["cells"] = run.cells;
+    j["cells"] = nlohmann::ordered_json::array();
+    for (const Cell& cell : run.cells)
+        j["cells"].push_back({{"scene", cell.scene},
+                              {"method", cell.method},
+                              {"seed", cell.seed},
+                              {"passes", cell.last().passes},
+                              {"image", cell.image}});
     // Command lines and folders may hold bytes that are not UTF-8.
     return j.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
@@ -100,7 +100,14 @@ Manifest read_manifest(const std::string& path) {
         j.at("scenes").get_to(m.scenes);
         for (std::size_t i = 0; i < m.scenes.size(); ++i)
             m.scenes[i].quantities = j["scenes"][i].value("quantities", Quantities());
-        j.at("cells").get_to(m.cells);
+        for (const json& entry : j.at("cells")) {
+            Cell& cell = m.cells.emplace_back();
+            entry.at("scene").get_to(cell.scene);
+            entry.at("method").get_to(cell.method);
+            entry.at("seed").get_to(cell.seed);
+            entry.at("image").get_to(cell.image);
+            entry.at("passes").get_to(cell.checkpoints.emplace_back().checkpoint.passes);
+        }
         m.machine = machine_in(j);
         return m;
     } catch (const json::parse_error&) {

@@ -14,20 +14,12 @@
 
 namespace gib {
 
-/// A complete cell as it can be repeated: with exactly as many passes, whatever budget ended them.
-struct ManifestCell {
-    std::string scene, method;
-    std::uint64_t seed = 1;
-    std::uint32_t passes = 0;
-    std::string image;  ///< digest of the final image's pixels
-};
-
 /// The facts about a run that its index does not hold.
 struct ManifestRun {
     std::string command_line;     ///< as it was typed
     std::string experiment_file;  ///< its path, as it was typed
     std::optional<std::pair<int, int>> resolution;
-    std::vector<ManifestCell> cells;
+    std::vector<Cell> cells;
     std::map<std::string, Components> unjudged = {};  ///< by scene: of quantities_of()
 };
 
@@ -43,7 +35,9 @@ struct Manifest {
     int threads = 0, seeds = 1;
     std::optional<double> epsilon;  ///< ResultIndex::epsilon
     std::vector<Scene> scenes;
-    std::vector<ManifestCell> cells;
+    /// Complete cells as they can be repeated: with exactly as many passes, whatever budget ended them. They have
+    /// their scene, method and seed, the last checkpoint's passes, and the digest of the final image's pixels.
+    std::vector<Cell> cells;
     /// Commit, compiler, flags, processor and libraries, by the names that messages use for them.
     std::map<std::string, std::string> machine;
 };

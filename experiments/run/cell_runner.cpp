@@ -91,8 +91,8 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
             record.scene, record.method, bad.count, record.seed, bad.first_pass, bad.first_pixel));
 }
 
-CellResult CellRunner::render(const WorkCell& cell, const std::string& work_folder,
-                              const PassObserver& observer) const {
+Measurement CellRunner::render(const WorkCell& cell, const std::string& work_folder,
+                               const PassObserver& observer) const {
     const RunScene& scene = setup_.scenes[cell.scene];
     const CellIdentity& identity = cell.identity;
     const auto command_cell = [&](const ExternalMethod& method) {
@@ -114,24 +114,23 @@ CellResult CellRunner::render(const WorkCell& cell, const std::string& work_fold
                                   .seconds = identity.budget.seconds});
     }
     const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };
-    CellResult result = run_cell_process({.scene_path = scene.entry.path,
-                                          .resolution = setup_.experiment.resolution,
-                                          .folders = setup_.experiment.paths,
-                                          .scene_hash = identity.scene_hash,
-                                          .method = identity.method,
-                                          .seed = identity.seed,
-                                          .budget = identity.budget,
-                                          .threads = setup_.threads,
-                                          .features = reads("albedo") || reads("normal") || reads("depth"),
-                                          .variance = reads("variance"),
-                                          .work_folder = work_folder},
-                                         observer);
-    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), result.measurement);
+    Measurement result = run_cell_process({.scene_path = scene.entry.path,
+                                           .resolution = setup_.experiment.resolution,
+                                           .folders = setup_.experiment.paths,
+                                           .scene_hash = identity.scene_hash,
+                                           .method = identity.method,
+                                           .seed = identity.seed,
+                                           .budget = identity.budget,
+                                           .threads = setup_.threads,
+                                           .features = reads("albedo") || reads("normal") || reads("depth"),
+                                           .variance = reads("variance"),
+                                           .work_folder = work_folder},
+                                          observer);
+    if (cell.filter) filter_checkpoints(command_cell(*cell.filter), result);
     return result;
 }
 
-Cell CellRunner::judged(const WorkCell& cell, const CellResult& result, const std::string& work_folder) const {
-    const Measurement& measured = result.measurement;
+Cell CellRunner::judged(const WorkCell& cell, const Measurement& measured, const std::string& work_folder) const {
     Cell record;
     record.scene = cell.identity.scene;
     record.method = cell.identity.method;
@@ -140,7 +139,7 @@ Cell CellRunner::judged(const WorkCell& cell, const CellResult& result, const st
     record.build = setup_.build;
     record.processor_seconds = measured.processor_seconds;
     record.waiting_seconds = measured.waiting_seconds;
-    record.load_seconds = result.load_seconds;
+    record.load_seconds = measured.load_seconds;
     record.prepare_seconds = measured.prepare_seconds;
     record.converged = measured.converged;
     record.stages = measured.stages;

@@ -24,9 +24,9 @@ public:
 private:
     void measure(const WorkCell& cell, const PassObserver& observer);
     /// Renders the cell in a process of its own, which leaves its images in the work folder.
-    CellResult render(const WorkCell& cell, const std::string& work_folder, const PassObserver& observer) const;
+    Measurement render(const WorkCell& cell, const std::string& work_folder, const PassObserver& observer) const;
     /// The record of a cell, whose images are judged and stored.
-    Cell judged(const WorkCell& cell, const CellResult& result, const std::string& work_folder) const;
+    Cell judged(const WorkCell& cell, const Measurement& measured, const std::string& work_folder) const;
     void keep_failure(const std::string& cell, const std::string& message);
 
     const RunSetup& setup_;

@@ -51,7 +51,7 @@ void require_same_scenes(const Manifest& manifest, const RunSetup& setup) {
     for (const RunScene& scene : setup.scenes)
         for (const auto& then : manifest.scenes)
             if (then.name == scene.entry.name && then.content_hash != scene.content_hash &&
-                std::ranges::any_of(manifest.cells, [&](const ManifestCell& cell) { return cell.scene == then.name; }))
+                std::ranges::any_of(manifest.cells, [&](const Cell& cell) { return cell.scene == then.name; }))
                 throw InputError(
                     {scene.entry.path},
                     "the scene was changed since the run (the file itself, or one that it uses): its images cannot "
@@ -133,7 +133,7 @@ void warn_of_unlike_numbers(const Manifest& then, const Manifest& now) {
 }
 
 /// The message of what failed of a cell or of its scene's reference; empty if nothing did.
-std::optional<std::string> failure_of(const ManifestCell& cell, const RunLog& log) {
+std::optional<std::string> failure_of(const Cell& cell, const RunLog& log) {
     const std::string name = fmt::format("{}, {}, seed {}", cell.scene, cell.method, cell.seed);
     for (const RunLog::Failure& failure : log.failures)
         if (failure.of == name || failure.of == reference_name(cell.scene)) return failure.message;
@@ -141,26 +141,27 @@ std::optional<std::string> failure_of(const ManifestCell& cell, const RunLog& lo
 }
 
 /// Prints a line for each cell. Returns whether all are identical.
-bool compare_cells(const std::vector<ManifestCell>& then, const ResultFolder& original, const RunSession& run,
+bool compare_cells(const std::vector<Cell>& then, const ResultFolder& original, const RunSession& run,
                    std::ostream& out) {
-    const auto now = manifest_cells(run.list, run.folder);
+    const auto now = complete_cells(run.list, run.folder);
     std::size_t identical = 0;
     for (const auto& cell : then) {
-        const auto name = fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.passes);
-        const auto again = std::ranges::find_if(now, [&](const ManifestCell& other) {
+        const auto name =
+            fmt::format("{}, {}, seed {}, {} passes", cell.scene, cell.method, cell.seed, cell.last().passes);
+        const auto again = std::ranges::find_if(now, [&](const Cell& other) {
             return std::tie(other.scene, other.method, other.seed) == std::tie(cell.scene, cell.method, cell.seed);
         });
         if (again == now.end()) {
             const auto failure = failure_of(cell, run.log);
             out << fmt::format("not repeated  {}: {}\n", name,
                                failure.value_or("the experiment in the manifest does not have it"));
-        } else if (again->passes == cell.passes && again->image == cell.image) {
+        } else if (again->last().passes == cell.last().passes && again->image == cell.image) {
             out << fmt::format("identical     {}\n", name);
             ++identical;
         } else {
             const auto folder = cell_folder_name(cell.scene, cell.method, cell.seed);
-            const std::string how = again->passes != cell.passes
-                                        ? fmt::format(": it ended after {}", again->passes)
+            const std::string how = again->last().passes != cell.last().passes
+                                        ? fmt::format(": it ended after {}", again->last().passes)
                                         : difference(original.cell_image(folder), run.folder.cell_image(folder));
             out << fmt::format("differs       {}{}\n", name, how);
         }

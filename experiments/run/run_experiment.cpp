@@ -14,15 +14,15 @@ namespace gib {
 namespace {
 
 /// Says how many cells are complete already, and why others are done again.
-void say_what_is_kept(const RunSession& run, const std::vector<CellState>& states, ProgressLine& progress) {
+void say_what_is_kept(const RunSession& run, const std::vector<WorkCell>& cells, ProgressLine& progress) {
     std::size_t kept = 0, replaced = 0, of_other_builds = 0;
-    for (const CellState& state : states) {
-        if (state.record) {
+    for (const WorkCell& cell : cells) {
+        if (cell.record) {
             ++kept;
-            of_other_builds += state.record->build != run.setup.build;
-        } else if (!state.damage.empty()) {
-            progress.message(fmt::format("warning: {}; the cell is done again", state.damage));
-        } else if (std::filesystem::exists(run.folder.cell_record(state.cell->name))) {
+            of_other_builds += cell.record->build != run.setup.build;
+        } else if (!cell.damage.empty()) {
+            progress.message(fmt::format("warning: {}; the cell is done again", cell.damage));
+        } else if (std::filesystem::exists(run.folder.cell_record(cell.name))) {
             ++replaced;
         }
     }
@@ -42,11 +42,11 @@ bool measure(RunSession& run, bool is_fresh) {
     if (is_fresh) run.forget_cells();
     try {
         run.make_references();
-        auto states = run.list.states(run.folder);
-        std::erase_if(states, [&](const CellState& s) { return run.references.has_failed(s.cell->scene); });
-        say_what_is_kept(run, states, run.log.progress);
+        auto cells = run.list.with_records(run.folder);
+        std::erase_if(cells, [&](const WorkCell& cell) { return run.references.has_failed(cell.scene); });
+        say_what_is_kept(run, cells, run.log.progress);
         run.write_index();
-        run_cells(left_of(states), run.runner, run.log.progress);
+        run_cells(left_of(cells), run.runner, run.log.progress);
     } catch (const Interrupted&) {
         return false;
     }

@@ -125,10 +125,10 @@ void RunSession::forget_cells() {
 }
 
 std::string RunSession::what_is_left() const {
-    const auto states = list.states(folder);
-    const std::size_t left = left_of(states).size();
+    const auto cells = list.with_records(folder);
+    const std::size_t left = left_of(cells).size();
     if (left == 0) return "";
-    return fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left, states.size(),
+    return fmt::format("{} of {} cells are not complete; `gibench status {}` lists them", left, cells.size(),
                        folder.path());
 }
 
@@ -140,7 +140,7 @@ std::string RunSession::write_results() {
     ManifestRun manifest{.command_line = setup.command_line,
                          .experiment_file = setup.experiment.path,
                          .resolution = setup.experiment.resolution,
-                         .cells = manifest_cells(list, folder)};
+                         .cells = complete_cells(list, folder)};
     const auto write_manifest = [&] { write_file(folder.file("manifest.json"), manifest_text(index, manifest)); };
     write_manifest();  // the analysis reads it
     std::string report;

@@ -4,13 +4,9 @@
 //
 // The names of a cell, which is one scene with one method and one seed:
 //   CellIdentity  everything that decides its result, and its key (result_folder.h)
-//   WorkCell      its place in the list of what is to be measured (work_list.h)
-//   CellState     the same with its stored record, if it is complete (work_list.h)
+//   WorkCell      its place in the list of what is to be measured, and its record if it is complete (work_list.h)
 //   CellRequest   the files and settings that its process receives (cell_process.h)
-//   MeasureWork   the loaded scene and the method that the process measures (measure.h)
-//   CellResult    the times that the process, or a command, hands back (cell_process.h)
-//   Cell          the stored record, with errors against the reference (result_folder.h)
-//   ManifestCell  the passes and the image by which it can be repeated (manifest.h)
+//   Cell          the stored record: what measure() found, with errors against the reference (result_folder.h)
 
 #include "experiments/run/cell_runner.h"
 #include "experiments/run/references.h"

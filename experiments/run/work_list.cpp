@@ -81,32 +81,27 @@ std::vector<const WorkCell*> WorkList::selected() const {
     return cells;
 }
 
-std::vector<CellState> WorkList::states(const ResultFolder& folder) const {
-    std::vector<CellState> states;
+std::vector<WorkCell> WorkList::with_records(const ResultFolder& folder) const {
+    std::vector<WorkCell> cells;
     for (const WorkCell* cell : selected()) {
-        CellState& state = states.emplace_back(CellState{.cell = cell, .record = {}, .damage = {}});
+        WorkCell& found = cells.emplace_back(*cell);
         if (!cell->identity.reference.empty())
-            state.record = folder.read_cell(cell->name, cell->identity.key(), &state.damage);
+            found.record = folder.read_cell(cell->name, cell->identity.key(), &found.damage);
     }
-    return states;
+    return cells;
 }
 
-std::vector<const WorkCell*> left_of(const std::vector<CellState>& states) {
+std::vector<const WorkCell*> left_of(const std::vector<WorkCell>& cells) {
     std::vector<const WorkCell*> left;
-    for (const CellState& state : states)
-        if (!state.record) left.push_back(state.cell);
+    for (const WorkCell& cell : cells)
+        if (!cell.record) left.push_back(&cell);
     return left;
 }
 
-std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolder& folder) {
-    std::vector<ManifestCell> complete;
+std::vector<Cell> complete_cells(const WorkList& list, const ResultFolder& folder) {
+    std::vector<Cell> complete;
     for (const WorkCell& cell : list.all())
-        if (const auto stored = folder.read_cell(cell.name, cell.identity.key()))
-            complete.push_back({.scene = stored->scene,
-                                .method = stored->method,
-                                .seed = stored->seed,
-                                .passes = stored->last().passes,
-                                .image = stored->image});
+        if (auto stored = folder.read_cell(cell.name, cell.identity.key())) complete.push_back(std::move(*stored));
     return complete;
 }
 

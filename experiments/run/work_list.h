@@ -14,26 +14,22 @@
 namespace gib {
 
 struct WorkCell {
-    std::size_t scene;               ///< place in RunSetup::scenes
-    const ExternalMethod* external;  ///< null: a method of gibench
-    const ExternalMethod* filter;    ///< command that filters its images; null: none does
-    CellIdentity identity;           ///< without the reference until WorkList::use()
-    std::string name;                ///< name of its folder
-    bool is_selected = true;         ///< whether this run is to measure it
+    std::size_t scene;                ///< place in RunSetup::scenes
+    const ExternalMethod* external;   ///< null: a method of gibench
+    const ExternalMethod* filter;     ///< command that filters its images; null: none does
+    CellIdentity identity;            ///< without the reference until WorkList::use()
+    std::string name;                 ///< name of its folder
+    bool is_selected = true;          ///< whether this run is to measure it
+    std::optional<Cell> record = {};  ///< of WorkList::with_records(); empty: the cell is not complete
+    std::string damage = {};          ///< message about a record that cannot be read
 
     /// Whether a command makes its final image, which then has no components.
     bool has_command() const { return external || filter; }
     std::string text() const;  ///< scene, label and seed for messages
 };
 
-/// A cell as it stands in a result folder.
-struct CellState {
-    const WorkCell* cell;
-    std::optional<Cell> record;  ///< empty: it is not complete
-    std::string damage;          ///< message about a record that cannot be read
-};
-/// The cells that are not complete.
-std::vector<const WorkCell*> left_of(const std::vector<CellState>& states);
+/// The cells without a record.
+std::vector<const WorkCell*> left_of(const std::vector<WorkCell>& cells);
 
 /// The cell of a label. WorkList makes its cells with this function.
 WorkCell work_cell(const RunSetup& setup, std::size_t scene, const MethodLabel& label, std::uint64_t seed);
@@ -55,14 +51,14 @@ public:
     bool has(std::size_t scene) const;
     const std::vector<WorkCell>& all() const { return cells_; }
     std::vector<const WorkCell*> selected() const;
-    /// The selected cells as they stand in the folder.
-    std::vector<CellState> states(const ResultFolder& folder) const;
+    /// The selected cells with what the folder has of them.
+    std::vector<WorkCell> with_records(const ResultFolder& folder) const;
 
 private:
     std::vector<WorkCell> cells_;
 };
 
-/// All complete cells, selected or not.
-std::vector<ManifestCell> manifest_cells(const WorkList& list, const ResultFolder& folder);
+/// The records of all complete cells, selected or not.
+std::vector<Cell> complete_cells(const WorkList& list, const ResultFolder& folder);
 
 }  // namespace gib

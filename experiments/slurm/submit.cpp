@@ -55,21 +55,21 @@ public:
     /// The jobs for cells that are not complete and in no job.
     void submit_cells() {
         const auto elsewhere = active_->cells();
-        const auto states = run_.list.states(run_.folder);
-        Array array{.shares = std::min(states.size(), largest_)};
+        const auto cells = run_.list.with_records(run_.folder);
+        Array array{.shares = std::min(cells.size(), largest_)};
         std::set<std::size_t> tasks;
         std::size_t complete = 0, wanted = 0;
-        for (const CellState& state : states) {
-            if (state.record) ++complete;
-            else if (elsewhere.count(state.cell->name) == 0) {
+        for (const WorkCell& cell : cells) {
+            if (cell.record) ++complete;
+            else if (elsewhere.count(cell.name) == 0) {
                 ++wanted;
                 tasks.insert(array.cells.size() % array.shares);
             }
-            array.cells.push_back(state.cell->name);
+            array.cells.push_back(cell.name);
         }
         array.tasks.assign(tasks.begin(), tasks.end());
         out_ << fmt::format("cells: {} complete, {} in jobs already, {} to be submitted\n", complete,
-                            states.size() - complete - wanted, wanted);
+                            cells.size() - complete - wanted, wanted);
         std::set<std::uint64_t> before = active_->numbers(cells_job);
         if (wanted > 0) before.insert(submit({cells_job}, {}, array));
         if (wanted > 0 || active_->numbers(report_job).empty()) submit({report_job}, before, {});
@@ -173,7 +173,7 @@ void make_batches(const RunOptions& options, const RunSession& run, const std::v
 /// Measures the cells of this task's share, with the references that are there.
 void measure_cells(const RunOptions& options, RunSession& run) {
     run.list.select(options.share.value());
-    run_cells(left_of(run.list.states(run.folder)), run.runner, run.log.progress);
+    run_cells(left_of(run.list.with_records(run.folder)), run.runner, run.log.progress);
 }
 
 void report(RunSession& run, std::ostream& out) {
