@@ -1,7 +1,7 @@
 #include "experiments/run/references.h"
 
 #include "common/core/parallel.h"
-#include "experiments/measuring/reference_store.h"
+#include "experiments/references/store.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"

@@ -2,7 +2,7 @@
 // The references of an experiment's scenes: made, taken from an image, or taken from another result folder. Each stands
 // in the result folder once it is finished.
 
-#include "experiments/measuring/reference.h"
+#include "experiments/references/reference.h"
 #include "experiments/results/result_folder.h"
 #include "experiments/run/run_setup.h"
 

@@ -191,7 +191,7 @@ int repeat_run(const std::string& results, RunOptions options, std::ostream& out
     RunSession run(std::move(setup), options, FolderUse::alone);
     std::map<std::string, Budget> budgets;
     for (const auto& cell : manifest.cells)
-        budgets[cell_folder_name(cell.scene, cell.method, cell.seed)] = {std::nullopt, cell.passes};
+        budgets[cell_folder_name(cell.scene, cell.method, cell.seed)] = {std::nullopt, cell.last().passes};
     run.list.keep(budgets);
     run.forget_cells();  // those of an earlier repetition would prove nothing
     const bool complete = render_again(manifest, original, run);

@@ -1,12 +1,12 @@
 // References are made to a target, kept, topped up, and made again if their file is damaged. Of batches that other processes make,
 // the reference is the same whoever made them, and its standard error falls with their number as theory says.
 
-#include "experiments/measuring/reference.h"
+#include "experiments/references/reference.h"
 
 #include "common/images/image_digest.h"
 #include "common/sampling/sampler.h"
-#include "experiments/measuring/reference_makers.h"
-#include "experiments/measuring/reference_store.h"
+#include "experiments/references/makers.h"
+#include "experiments/references/store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/label_checks.h"

@@ -4,7 +4,7 @@
 #include "common/core/error.h"
 #include "common/images/film.h"
 #include "common/images/image_file.h"
-#include "experiments/measuring/reference_store.h"
+#include "experiments/references/store.h"
 #include "experiments/metrics/equal_footing.h"
 #include "experiments/metrics/flip.h"
 #include "experiments/metrics/spectrum.h"

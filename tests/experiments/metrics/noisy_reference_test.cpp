@@ -10,7 +10,7 @@
 
 #include "common/core/math.h"
 #include "common/images/image_file.h"
-#include "experiments/measuring/reference_makers.h"
+#include "experiments/references/makers.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/scene_text.h"
 

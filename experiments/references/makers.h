@@ -24,9 +24,9 @@
 // takes no part in the component, if there is another maker that lacks none.
 
 #include "common/reader/scene_file.h"
-#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
+#include "experiments/references/store.h"
 #include "methods/method.h"
 
 #include <functional>

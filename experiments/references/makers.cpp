@@ -1,8 +1,8 @@
-#include "experiments/measuring/reference_makers.h"
+#include "experiments/references/makers.h"
 
-#include "experiments/measuring/group_moments.h"
-#include "experiments/measuring/reference_agreement.h"
 #include "experiments/metrics/epsilon.h"
+#include "experiments/references/agreement.h"
+#include "experiments/references/group_moments.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // How many passes the rounds of a reference have.
-#include "experiments/measuring/reference_schedule.h"
+#include "experiments/references/schedule.h"
 
 #include "experiments/metrics/reference_image.h"
 

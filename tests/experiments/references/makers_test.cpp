@@ -1,8 +1,8 @@
 // References that several methods make together.
 
-#include "experiments/measuring/reference_makers.h"
+#include "experiments/references/makers.h"
 
-#include "experiments/measuring/reference_agreement.h"
+#include "experiments/references/agreement.h"
 
 #include "common/sampling/sampler.h"
 #include "experiments/plan/label_checks.h"

@@ -1,4 +1,4 @@
-#include "experiments/measuring/reference_schedule.h"
+#include "experiments/references/schedule.h"
 
 #include "common/core/math.h"
 

@@ -1,4 +1,4 @@
-#include "experiments/measuring/reference_agreement.h"
+#include "experiments/references/agreement.h"
 
 #include "common/core/error.h"
 #include "common/images/image_digest.h"

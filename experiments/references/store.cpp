@@ -1,4 +1,4 @@
-#include "experiments/measuring/reference_store.h"
+#include "experiments/references/store.h"
 
 #include "common/core/error.h"
 #include "common/core/files.h"
@@ -8,6 +8,7 @@
 #include "common/images/image_digest.h"
 #include "common/images/image_file.h"
 #include "common/sampling/sampler.h"
+#include "experiments/metrics/few_hits.h"
 
 #include <fmt/format.h>
 

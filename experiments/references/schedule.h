@@ -2,9 +2,9 @@
 // How many passes the rounds of a reference have, and what is left to do. Where a target ends the reference, these
 // numbers follow from its error and from counts of rays alone, never from time, so that they are the same on every machine.
 
-#include "experiments/measuring/reference_makers.h"
-#include "experiments/measuring/reference_store.h"
 #include "experiments/plan/experiment_file.h"
+#include "experiments/references/makers.h"
+#include "experiments/references/store.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
 // Images that prove a reference wrong, and images that prove nothing.
-#include "experiments/measuring/reference_agreement.h"
+#include "experiments/references/agreement.h"
 
 #include "tests/support/constant_image.h"
 #include "tests/support/matchers.h"

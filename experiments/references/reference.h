@@ -8,9 +8,9 @@
 // with any number of threads, and whoever made its batches. Time decides only where a time limit comes into sight.
 
 #include "common/reader/scene_file.h"
-#include "experiments/measuring/reference_store.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/experiment_file.h"
+#include "experiments/references/store.h"
 #include "experiments/system/progress.h"
 #include "methods/method.h"
 

@@ -1,0 +1,59 @@
+#pragma once
+// The pilot of a reference with several makers: it measures them and decides their shares (makers.h has the theory).
+//
+// It makes few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
+// them a pixel gets. Each of its rounds has twice the passes of the one before, and leaves out the makers that the one before
+// has outdone, until a few per cent of the work are done that the reference is predicted to take.
+
+#include "experiments/plan/experiment_file.h"
+#include "experiments/references/batches.h"
+#include "experiments/references/makers.h"
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gib {
+
+/// What the pilot has taken, and what it foresees.
+struct PilotCosts {
+    double seconds = 0, work = 0;  ///< of the pilot
+    double unit_work = 0;          ///< work of a unit of all groups of the reference
+    double foreseen_work = 0;      ///< work up to the target; 0: unknown
+};
+
+class Pilot {
+public:
+    Pilot(const std::vector<ReferenceMaker>& makers, const ReferenceGoal& goal, const std::optional<double>& epsilon);
+
+    /// The batches of the next round.
+    std::vector<ReferenceBatch> next_batches() const;
+    /// Makes the next round and decides the shares by it; `show` receives the name of the maker that is tried. Returns
+    /// false after the last round.
+    bool add_round(Batches& batches, const std::function<void(const std::string& maker)>& show);
+
+    const PilotCosts& costs() const { return costs_; }
+    const std::vector<MakerShare>& shares() const { return shares_; }
+    const DroppedSamples& dropped() const { return dropped_; }
+    /// The groups of a maker's last round.
+    const std::vector<ComponentImages>& groups_of(std::size_t maker) const { return pilots_[maker].groups; }
+
+private:
+    void decide_shares();
+    /// Whether enough of the reference's work is done to know the shares.
+    bool is_enough() const;
+
+    const ReferenceGoal& goal_;
+    std::optional<double> epsilon_;
+    std::vector<std::string> names_;
+    std::vector<MakerPilot> pilots_;
+    std::vector<bool> outdone_;
+    std::uint32_t round_ = 0;
+    PilotCosts costs_;
+    std::vector<MakerShare> shares_;
+    DroppedSamples dropped_;
+};
+
+}  // namespace gib
