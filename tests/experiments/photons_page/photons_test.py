@@ -161,24 +161,6 @@ class PhotonTest(PhotonsCase):
         self.assertEqual(self.visible(), page.bounces.count(3))
         self.assertNotEqual(self.drawn(), few)
 
-    def test_sliders_of_passes_filter(self):
-        page = self.open("passes")
-        self.assertEqual(set(page.passes), {0, 1, 2})
-        self.assertEqual(self.visible(), len(page.passes))
-        self.slide("Passes up to", -1)
-        self.assertEqual(self.visible(), sum(p <= 1 for p in page.passes))
-        self.check("that pass alone")
-        self.assertEqual(self.visible(), page.passes.count(1))
-
-    def test_the_share_is_said(self):
-        page = self.open("glass")
-        for one in page.facts["maps"]:
-            share = f"{one['shown']:,} of {one['stored']:,} on this page"
-            whole = f"all {one['stored']:,} on this page"
-            text = self.find("#maps").text
-            self.assertIn(share if one["shown"] < one["stored"] else whole, text)
-        self.assertEqual(sum(one["shown"] for one in page.facts["maps"]), 3000)
-
     def test_colours(self):
         self.open("rainbow")
         self.choose("Draw them", "hidden")
@@ -354,66 +336,6 @@ class AreaTest(PhotonsCase):
         self.control("Cut away").send_keys(Keys.END)
         self.settle()
         self.assertLess(self.drawn(), 0.5 * drawn["solid"])
-
-
-class StageTest(PhotonsCase):
-    def test_keys_turn_move_and_zoom(self):
-        self.open("passes")
-        self.script("arguments[0].focus()", self.stage)
-        start = self.camera()
-        for keys in (Keys.ARROW_LEFT, Keys.ARROW_UP, "+", Keys.SHIFT + Keys.ARROW_RIGHT):
-            before = self.camera()
-            self.stage.send_keys(keys)
-            self.settle()
-            self.assertNotEqual(self.camera(), before, keys)
-        self.stage.send_keys("0")
-        self.settle()
-        for found, expected in zip(self.camera(), start):
-            self.assertAlmostEqual(found, expected, places=6)
-
-    def test_dragging_turns_and_the_wheel_zooms(self):
-        self.open("passes")
-        start, frames = self.camera(), int(self.stage.get_attribute("data-frames"))
-        drag = ActionChains(self.driver).move_to_element(self.stage).click_and_hold()
-        drag.move_by_offset(90, 30).release().perform()
-        self.settle()
-        turned = self.camera()
-        self.assertNotEqual(turned, start)
-        ActionChains(self.driver).scroll_from_origin(
-            webdriver.common.actions.wheel_input.ScrollOrigin.from_element(self.stage), 0, -200).perform()
-        self.settle()
-        self.assertNotEqual(self.camera(), turned)
-        self.assertGreater(int(self.stage.get_attribute("data-frames")), frames)
-        self.settle()
-        still = self.stage.get_attribute("data-frames")
-        self.settle()
-        self.assertEqual(self.stage.get_attribute("data-frames"), still, "nothing is drawn while nothing changes")
-
-    def test_a_finger_turns(self):
-        self.open("passes", PHONE)
-        start, size = self.camera(), self.stage.size
-        x, y = size["width"] / 2, size["height"] / 2
-        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchMove", [{"x": x + 40, "y": y + 20}]),
-                             ("touchMove", [{"x": x + 80, "y": y + 20}]), ("touchEnd", [])):
-            self.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-        self.settle()
-        self.assertNotEqual(self.camera(), start)
-
-    def test_every_size_and_scheme(self):
-        grounds = set()
-        looks = [("radiosity", size, scheme) for size in (LAPTOP, PHONE) for scheme in ("light", "dark")]
-        looks += [(name, size, scheme) for name in PAGES if name != "radiosity"
-                  for size, scheme in ((LAPTOP, "dark"), (PHONE, "light"))]
-        for name, size, scheme in looks:
-            self.open(name, size, scheme)
-            self.shot(f"{name}-{'phone' if size == PHONE else 'laptop'}-{scheme}")
-            self.assertGreater(self.drawn(), 1000)
-            self.assert_fits(name)
-            box = self.stage.rect
-            self.assertGreater(box["height"], 0.5 * size[1])
-            self.assertGreater(box["width"], 0.7 * size[0])
-            grounds.add(self.find("#panel").value_of_css_property("background-color"))
-        self.assertEqual(len(grounds), 2, "light and dark")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 // One page of a made-up analysis with all sections and most sentences of table.md, the verdict on the terminal and table.csv.
-// tests/experiments/report/golden.md holds the text as it was read and found right. After a change that is meant, copy the
+// tests/experiments/report/golden.txt holds the text as it was read and found right. After a change that is meant, copy the
 // page of this run, whose path the failure names, over it and read the difference.
 
 #include "experiments/analysis/warnings.h"
@@ -144,9 +144,9 @@ Analysis made_up() {
 TEST(GoldenPage, IsTheOneThatWasRead) {
     const Analysis analysis = made_up();
     const std::string page = markdown_table(analysis) + "\n## On the terminal\n\n" + terminal_verdict(analysis);
-    const std::string mine = testing::TempDir() + "golden.md";
+    const std::string mine = testing::TempDir() + "golden.txt";
     write_file(mine, page);
-    EXPECT_EQ(read_file(source_path("tests/experiments/report/golden.md")), page) << "The page of this run: " << mine;
+    EXPECT_EQ(read_file(source_path("tests/experiments/report/golden.txt")), page) << "The page of this run: " << mine;
 }
 
 }  // namespace

@@ -6,7 +6,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 import report_fixture as fixture
-from browser_case import BrowserCase, LAPTOP, PHONE  # noqa: F401  PHONE is for those who import this
+from browser_case import BrowserCase, LAPTOP
 
 HALF = 2.0 ** -10  # twice the rounding of a half float: totals are sums of rounded components
 PATH, PHOTONS = fixture.METHODS[0], fixture.METHODS[1]

@@ -2,12 +2,10 @@
 import math
 import os
 
-from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
-from selenium.webdriver.common.keys import Keys
 
 import report_fixture as fixture
-from report_browser import BOX, LAPTOP, PATH, PHONE, PHOTONS, ReportCase
+from report_browser import BOX, LAPTOP, PATH, PHOTONS, ReportCase
 
 
 class ChartTest(ReportCase):
@@ -56,106 +54,8 @@ class ChartTest(ReportCase):
         self.press(PHOTONS, ".scene-controls")
         self.assertIsNotNone(self.points(PHOTONS))
 
-    def test_hovering_says_value_interval_and_passes(self):
-        canvas = self.section.find_element(By.CSS_SELECTOR, ".curve-chart canvas")
-        self.scroll_to(canvas)
-        x, y = self.script("""
-            const chart = Chart.getChart(arguments[0]);
-            const point = chart.getDatasetMeta(0).data[2];
-            return [point.x - chart.width / 2, point.y - chart.height / 2]""", canvas)
-        ActionChains(self.driver).move_to_element_with_offset(canvas, round(x), round(y)).perform()
-        lines = self.script(
-            "const t = Chart.getChart(arguments[0]).tooltip;"
-            "return t.opacity > 0 ? t.body.flatMap((b) => b.lines) : []", canvas)
-        self.assertIn(PATH, lines)
-        self.assertRegex(" ".join(lines), r"[\d.]+ \([\d.]+ to [\d.]+\) after [\d.e-]+ s 3 passes")
-        self.shot("hover")
-
 
 class PageTest(ReportCase):
-    def test_every_size_and_scheme(self):
-        grounds = set()
-        for name, size in (("laptop", LAPTOP), ("phone", PHONE)):
-            for scheme in ("light", "dark"):
-                self.open(size, scheme)
-                self.script("scrollTo(0, 0)")
-                self.shot(f"{name}-{scheme}-top")
-                self.script("for (const d of document.querySelectorAll('.folded')) d.open = true")
-                for place in (".scene-controls", ".curve-chart", ".viewer", ".shares"):
-                    self.script("arguments[0].scrollIntoView({block: 'start'})",
-                                               self.section.find_element(By.CSS_SELECTOR, place))
-                    self.settle()
-                    self.shot(f"{name}-{scheme}-{place[1:]}")
-                self.press("slide")
-                self.focus_stage()
-                self.shot(f"{name}-{scheme}-slide")
-                grounds.add(self.script("return getComputedStyle(document.body).backgroundColor"))
-                self.assert_fits(name)
-                self.assertEqual(self.clipped(), [], name)
-                lines = self.script(
-                    "const c = Chart.getChart(arguments[0].querySelector('.curve-chart canvas'));"
-                    "return c.data.datasets[0].borderColor", self.section)
-                self.assertEqual(lines, {"light": "#1f6fd6", "dark": "#62a5ff"}[scheme], "the first method of the tables")
-        self.assertEqual(len(grounds), 2)
-
-    def clipped(self):
-        """Texts that are wider than the elements that hold them, or that leave the screen."""
-        return self.script("""
-            const found = [];
-            const texts = "button, label, select, legend, h1, h2, h3, p, li, .stage-label";
-            for (const e of document.querySelectorAll(texts)) {
-              const box = e.getBoundingClientRect();
-              if (box.width === 0) continue;
-              const counts = getComputedStyle(e).display !== "inline" && e.tagName !== "SELECT";
-              if (counts && e.scrollWidth > e.clientWidth + 1)
-                found.push("cut: " + e.textContent);
-              if (box.left < -0.5 || box.right > innerWidth + 0.5) found.push("outside: " + e.textContent);
-            }
-            return found""")
-
-    def test_colours_follow_a_change_of_scheme(self):
-        color = "return Chart.getChart(arguments[0].querySelector('.curve-chart canvas')).data.datasets[0].borderColor"
-        before = self.script(color, self.section)
-        self.set_scheme("dark")
-        self.wait(lambda: self.script(color, self.section) != before, "charts are drawn again")
-
-    def test_the_keyboard_reaches_every_control_and_shows_where_it_is(self):
-        self.open(LAPTOP, scene=1)  # both viewers are there
-        self.script("document.activeElement.blur(); scrollTo(0, 0)")
-        body = self.driver.find_element(By.TAG_NAME, "body")
-        body.send_keys(Keys.TAB)
-        reached, unmarked = set(), []
-        for _ in range(200):
-            info = self.script("""
-                const e = document.activeElement;
-                if (!e || e === document.body) return null;
-                e.dataset.reached = "yes";
-                const mark = e.type === "radio" ? e.nextElementSibling : e;
-                const style = getComputedStyle(mark);
-                return [e.outerHTML.slice(0, 80), style.outlineStyle, parseFloat(style.outlineWidth)]""")
-            if info is None:
-                break
-            reached.add(info[0])
-            if info[1] == "none" or info[2] < 2:
-                unmarked.append(info[0])
-            self.driver.switch_to.active_element.send_keys(Keys.TAB)
-        missed = self.script("""
-            return [...document.querySelectorAll("button, select, input, a[href], summary, [tabindex='0']")]
-              .filter((e) => !e.dataset.reached && !e.disabled && e.checkVisibility())
-              .filter((e) => e.type !== "radio" || e.checked)
-              .map((e) => e.outerHTML.slice(0, 80))""")
-        self.assertEqual((missed, unmarked), ([], []))
-        self.assertGreater(len(reached), 20)
-
-    def test_every_control_has_a_name(self):
-        nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
-        roles = {"button", "combobox", "slider", "radio", "application", "region", "link", "img", "group"}
-        nameless = [node["role"]["value"] for node in nodes if not node.get("ignored") and
-                    node.get("role", {}).get("value") in roles and not node.get("name", {}).get("value")]
-        self.assertEqual([role for role in nameless if role != "group"], [])
-        found = {node.get("role", {}).get("value") for node in nodes}
-        self.assertLessEqual({"button", "combobox", "slider", "radio", "application", "region"}, found)
-
     def test_paper_has_all_pictures_and_tables_whole(self):
         self.wait(lambda: self.script("return [...document.querySelectorAll('section.scene')].every((s) => s.strip.drawn)"),
                   "the strips of all scenes are drawn, in sight or not")
