@@ -1,8 +1,8 @@
 #include "experiments/run/references.h"
 
 #include "common/core/parallel.h"
-#include "experiments/references/store.h"
 #include "experiments/plan/label_checks.h"
+#include "experiments/references/store.h"
 #include "experiments/system/file_lock.h"
 #include "experiments/system/interrupt.h"
 

@@ -2,9 +2,9 @@
 
 #include "common/core/files.h"
 #include "common/core/number_text.h"
-#include "experiments/references/reference.h"
 #include "experiments/metrics/reference_image.h"
 #include "experiments/plan/label_checks.h"
+#include "experiments/references/reference.h"
 #include "experiments/tuning/search_space.h"
 #include "methods/method.h"
 

@@ -5,11 +5,11 @@
 
 #include "common/images/image_digest.h"
 #include "common/sampling/sampler.h"
-#include "experiments/references/makers.h"
-#include "experiments/references/store.h"
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/label_checks.h"
+#include "experiments/references/makers.h"
+#include "experiments/references/store.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/driver_fixtures.h"
 #include "tests/support/source_path.h"

@@ -24,20 +24,6 @@ TEST(ConductorIndex, IsTheMeanOfItsSpectrum) {
     EXPECT_LT((conductor_index("Cu_palik")->eta - eta.cast<float>()).abs().maxCoeff(), 1e-6f);
 }
 
-TEST(ConductorIndex, EveryNameHasOne) {
-    const auto names = conductor_names();
-    EXPECT_EQ(names.size(), 71u);
-    for (const auto name : names) {
-        const auto index = conductor_index(name);
-        ASSERT_TRUE(index) << name;
-        EXPECT_TRUE((index->eta >= 0.f).all() && (index->k >= 0.f).all()) << name;
-    }
-    for (const char* name : {"", "au", "none", "Unobtainium"})
-        EXPECT_FALSE(conductor_index(name)) << name;
-    EXPECT_TRUE((conductor_index("Hg")->k == conductor_index("Hg_palik")->k).all());
-    load(shape("sphere", bsdf("conductor", text("material", "Au"))));
-}
-
 /// Means over seeds are tested at this many standard errors. Student's t with 15 degrees of freedom
 /// exceeds them with a probability of 6e-5, so that some 20 tests in this file give a false alarm for at
 /// most 1 in 800 choices of seeds.
@@ -232,21 +218,6 @@ TEST(Dispersion, OfNothingIsThatOfPlainGlass) {
                     sigmas * std::hypot(means[c].standard_error(), split[c].standard_error()));
         EXPECT_LT(split[c].standard_error(), 0.02 * split[c].mean()) << "the test would not see an error";
     }
-}
-
-TEST(Dispersion, WrongParametersAreRefusedAtTheirPlace) {
-    for (const std::string type : {"dielectric", "roughdielectric"})
-        expect_errors(
-            {{number("cauchy_b", -0.1), "3:24", "'cauchy_b' must not be negative: -0.1"},
-             {number("cauchy_b", "nan"), "3:24", "bad number 'nan'"},
-             {rgb("cauchy_b", 0.1), "3:1", "'cauchy_b' cannot be a <rgb>"},
-             {number("abbe", 0), "3:20", "'abbe' must be above 0"},
-             {number("abbe", "x"), "3:20", "bad number 'x'"},
-             {number("abbe", 50) + number("cauchy_b", 0), "3:20", "give either 'cauchy_b' or 'abbe'"},
-             {number("cauchy_b", 100), "3:24", "an index ratio of"},
-             {number("abbe", 50) + number("int_ior", 0.9), "3:20", "'abbe' needs an 'int_ior' above 1"}},
-            [&](const std::string& content) { return scene_error(shape("sphere", bsdf(type, "\n", content))); });
-    EXPECT_NE(scene_error(shape("sphere", bsdf("thindielectric", number("abbe", 50)))), "no error");
 }
 
 }  // namespace

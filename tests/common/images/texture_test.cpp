@@ -257,16 +257,6 @@ TEST_F(Bitmaps, MeasureTheirTexels) {
     EXPECT_TRUE((bitmap->maximum() == highest).all());
 }
 
-TEST_F(Bitmaps, OfATiledFileAreTheSame) {
-    const Picture p = picture(300, 270, 3);
-    const auto rows = texture_of(p).bitmap;
-    const FileFormat tiled{OIIO::TypeDesc::FLOAT, 48, {}, {}};
-    const auto tiles = load(write_image(folder_ / "t.exr", 300, 270, 3, p.values, tiled));
-    for (int y = 0; y < 270; ++y)
-        for (int x = 0; x < 300; ++x)
-            ASSERT_TRUE((tiles->texel(x, y) == rows->texel(x, y)).all()) << x << " " << y;
-}
-
 TEST_F(Bitmaps, ThatArePagedAreTheSameFromManyThreads) {
     const Picture p = picture(320, 300, 3);
     const auto resident = texture_of(p);
@@ -358,24 +348,6 @@ TEST_F(Bitmaps, HaveAGradientPerUvThatGrowsWithTheResolution) {
     EXPECT_EQ(Texture(bitmap).gradient({0.47f, 0.4f}), Vec2(0, 0));
 }
 
-TEST_F(Bitmaps, OfOnePixelAreConstant) {
-    const Texture texture(texture_of({1, 1, 3, {0.2f, 0.4f, 0.6f}}));
-    for (const Vec2& uv : {Vec2(0, 0), Vec2(0.7f, -3), Vec2(1, 1)}) {
-        EXPECT_TRUE(texture.color(uv).isApprox(Color(0.2f, 0.4f, 0.6f)));
-        EXPECT_EQ(texture.gradient(uv), Vec2(0, 0));
-    }
-}
-
-TEST(Textures, ThatAreConstantAreTheSameEverywhere) {
-    const Texture texture(Color(0.1f, 0.2f, 0.3f));
-    EXPECT_TRUE(texture.constant());
-    EXPECT_TRUE((texture.color(Vec2{0.3f, 7}) == Color(0.1f, 0.2f, 0.3f)).all());
-    EXPECT_NEAR(texture.value(Vec2{0, 0}), 0.2f, 1e-7f) << "the mean of the channels";
-    EXPECT_EQ(Texture(Color::Constant(0.3f)).value(Vec2{0, 0}), 0.3f);
-    EXPECT_EQ(texture.gradient({0, 0}), Vec2(0, 0));
-    EXPECT_TRUE((texture.mean() == texture.maximum()).all() && (texture.minimum() == texture.maximum()).all());
-}
-
 // Surfaces of any size have the same normals if their bumps scale with them. The product |dp_du| |dp_dv| would leave
 // the range of float.
 TEST_F(Bitmaps, BumpsTiltSurfacesOfAnySize) {
@@ -407,12 +379,6 @@ TEST(Checkerboards, HaveTheirFirstColourOnTheDiagonal) {
     EXPECT_FALSE(board.has_gradient());
     const FloatTrapsPaused paused;
     EXPECT_TRUE(board.color(Vec2{nan, infinity}).allFinite());
-}
-
-TEST(Checkerboards, ExchangeTheirColoursAsNumbers) {
-    const Texture board(CheckerboardTexture{Texture(Color::Constant(0.25f)), Texture(Color::Constant(0.75f)), {}});
-    EXPECT_EQ(board.value(Vec2{0.25f, 0.25f}), 0.75f);
-    EXPECT_EQ(board.value(Vec2{0.75f, 0.25f}), 0.25f);
 }
 
 TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {

@@ -136,67 +136,6 @@ TEST(Daylight, TheGroundsAlbedoActsOnItsChannel) {
     }
 }
 
-// Between two whole turbidities the parameters are linear, so that a sky just below a whole one is that of the whole
-// one, up to the difference.
-TEST(Daylight, TheSkyIsContinuousInTurbidityAndInTheSunsHeight) {
-    const auto radiance = [](double turbidity, double elevation) {
-        return ClearSky(turbidity, Colord::Constant(0.3), (90 - elevation) * degree).radiance(0.6, 0.8);
-    };
-    for (int turbidity = 2; turbidity <= 10; ++turbidity)
-        for (double elevation : {0.0, 3.0, 30.0, 90.0}) {
-            const Colord whole = radiance(turbidity, elevation), below = radiance(turbidity - 1e-9, elevation);
-            EXPECT_LE((below / whole - 1).abs().maxCoeff(), 1e-7) << turbidity << ' ' << elevation;
-        }
-    for (double elevation : {1.0, 20.0, 70.0})
-        EXPECT_LE((radiance(3, elevation + 1e-6) / radiance(3, elevation) - 1).abs().maxCoeff(), 1e-5);
-}
-
-/// The integral of f over the directions above the horizon, as a function of the cosine to the zenith and the angle to
-/// a sun at this angle to the zenith.
-double sky_integral(double sun_theta, const std::function<double(double, double)>& f) {
-    const Vec3 sun = envmap_direction(sun_theta, 0);
-    return sphere_integral(180, 360, 1, [&](const Vec3& w) {
-        const double gamma = std::atan2(static_cast<double>(w.cross(sun).norm()), static_cast<double>(w.dot(sun)));
-        return w.y() > 0 ? f(static_cast<double>(w.y()), gamma) : 0.0;
-    });
-}
-
-// The figures of daylight: under a high sun on a clear day the sky alone gives the ground 8 to 25 klx, under a low one
-// less and in haze more; the zenith has 1.5 to 8 kcd/m^2.
-TEST(Daylight, TheSkyHasTheIlluminanceOfADay) {
-    const auto illuminance = [](double turbidity, double elevation) {
-        const double theta = (90 - elevation) * degree;
-        const ClearSky sky(turbidity, Colord::Constant(0.2), theta);
-        return sky_integral(
-            theta, [&](double cosine, double gamma) { return luminance_of(sky.radiance(cosine, gamma)) * cosine; });
-    };
-    const double day = illuminance(3, 60);
-    EXPECT_GT(day, 8e3);
-    EXPECT_LT(day, 25e3);
-    EXPECT_GT(illuminance(8, 60), 1.5 * day);
-    EXPECT_LT(illuminance(3, 5), 0.5 * day);
-    const double zenith = luminance_of(ClearSky(3, Colord::Constant(0.2), 30 * degree).radiance(1, 30 * degree));
-    EXPECT_GT(zenith, 1.5e3);
-    EXPECT_LT(zenith, 8e3);
-}
-
-// A clear sky is blue away from the sun and brightest next to it, even without aerosols, and the horizon is brighter
-// than the zenith. Around a low sun in haze it is red.
-TEST(Daylight, TheSkyIsBlueAndBrightestNearTheSun) {
-    for (double turbidity : {1.0, 2.0, 3.0, 5.0, 10.0})
-        for (double elevation : {5.0, 20.0, 45.0}) {
-            const ClearSky sky(turbidity, Colord::Constant(0.2), (90 - elevation) * degree);
-            const double at_sun = std::sin(elevation * degree);
-            EXPECT_GT(sky.radiance(at_sun, 0)[1], 1.1 * sky.radiance(at_sun, 40 * degree)[1]) << turbidity;
-            EXPECT_GT(sky.radiance(0.1, 90 * degree)[1], sky.radiance(1, 90 * degree)[1]) << turbidity;
-            if (turbidity <= 3) {
-                EXPECT_GT(sky.radiance(0.7, 90 * degree)[2], 1.5 * sky.radiance(0.7, 90 * degree)[0]) << elevation;
-            }
-        }
-    const Colord evening = ClearSky(6, Colord::Constant(0.2), 87 * degree).radiance(0.1, 5 * degree);
-    EXPECT_GT(evening[0], 2 * evening[2]);
-}
-
 // ln(L) is linear in the optical mass where water vapour does not absorb (Beer and Lambert); at mass 0 it is the
 // table's radiance outside of the atmosphere, and the slope is that of scattering and ozone.
 TEST(Daylight, TheSunIsDimmedAlongTheWayThroughTheAir) {
@@ -243,10 +182,6 @@ std::string sun_at(const Vec3& w) { return sun_at(w.x(), w.y(), w.z()); }
 LoadedScene lit_by(const std::string& type, const std::string& parameters) {
     return load(ball + emitter(type, "\n", parameters));
 }
-std::string error_of(const std::string& type, const std::string& parameters) {
-    return scene_error(ball + emitter(type, "\n", parameters));
-}
-
 /// The unit vector at these angles [degrees] to the zenith z and, from x to y, in azimuth.
 Vec3 direction_at(double theta, double azimuth) {
     const double t = theta * degree, p = azimuth * degree;
@@ -407,28 +342,6 @@ TEST(DaylightEmitters, WarnOfTheNightOnly) {
     const LoadedScene night = lit_by("sunsky", number("hour", 23));
     EXPECT_THAT(night.warnings, testing::Contains(HasSubstr("the sun is below the horizon, so that all is black")));
     EXPECT_FALSE(night.scene->has_light());
-}
-
-TEST(DaylightEmitters, Errors) {
-    EXPECT_EQ(error_of("sunsky", rgb("albedo", 0.2) + integer("resolution", 64)), "no error");
-    const std::tuple<std::string, std::string, std::string> rows[] = {
-        {"sky", number("turbidity", 0.5), "'turbidity' must be between 1 and 10"},
-        {"sky", rgb("albedo", 1.2), "'albedo'"},
-        {"sky", number("hour", 25), "'hour' must be between 0 and 24"},
-        {"sky", integer("month", 2) + integer("day", 30), "month 2 of 2010 has no day 30"},
-        {"sky", number("hour", 5) + sun_at(1, 0, 0), "give either"},
-        {"sky", sun_at(0, 0, 0), "'sun_direction' must not be zero"},
-        {"sky", number("sun_scale", 1), "does not take a parameter 'sun_scale'"},
-        {"sun", number("sky_scale", 1), "does not take a parameter 'sky_scale'"},
-        {"sun", rgb("albedo", 0.2), "does not take a parameter 'albedo'"},
-        {"sun", number("sun_radius_scale", 1e-3), "it must be 0, or between 0.01 and 180"},
-        {"sunsky", number("stretch", 3), "'stretch' must be between 1 and 2"},
-        {"sunsky", to_world(scale(2, 1, 1)), "must not scale or shear"}};
-    for (const auto& [type, parameters, message] : rows)
-        EXPECT_THAT(error_of(type, parameters), AllOf(StartsWith("t.xml:4:"), HasSubstr(message))) << parameters;
-    EXPECT_THAT(error_of("sunsky", number("sun_scale", 1e38)), HasSubstr("t.xml:3:1: the light is too bright"));
-    EXPECT_THAT(input_error_of([&] { load(ball + emitter("sky") + emitter("constant")); }),
-                HasSubstr("only one environment"));
 }
 
 }  // namespace

@@ -177,26 +177,6 @@ TEST(Bsdf, OneSidedScattersNothingFromBehindAndTwoSidedDoes) {
     EXPECT_LT(two.sample_local(down, {0.f, 0.f}, {0.3f, 0.3f}, Transport::radiance)->wi.z(), 0.f);
 }
 
-// A chi-square test of 20 rings of equal probability in cos^2 and 20 sectors of phi: 399
-// degrees of freedom, alpha = 0.001.
-TEST(Diffuse, DirectionsAreCosineDistributed) {
-    const Diffuse d{Color::Ones()};
-    std::vector<int> count(400, 0);
-    constexpr int n = 1'000'000;
-    for (int i = 0; i < n; ++i) {
-        const Sampler u(PointSet::independent, 11, static_cast<std::uint64_t>(i), 0);
-        const auto s = d.sample_local(Vec3(0, 0, 1), 0.f, u.get_2d(0), Transport::radiance, Lobes::all);
-        EXPECT_FLOAT_EQ(s->pdf_w, s->wi.z() * inv_pi);
-        const float phi = std::atan2(s->wi.y(), s->wi.x()) / (2 * pi) + 0.5f;
-        const int ring = std::min(19, static_cast<int>(20 * sqr(s->wi.z())));
-        ++count[static_cast<std::size_t>(ring * 20 + std::min(19, static_cast<int>(20 * phi)))];
-    }
-    double chi2 = 0;
-    for (int c : count)
-        chi2 += sqr(c - n / 400.0) / (n / 400.0);
-    EXPECT_LT(chi2, 492.0);  // the quantile at 1 - alpha (Wilson and Hilferty)
-}
-
 Phong glossy(float exponent) { return {Color::Zero(), Color::Ones(), exponent}; }
 
 // The density integrates to less than 1, because the part of the lobe below the surface gives empty samples.
@@ -207,27 +187,6 @@ TEST(Phong, DensityIntegratesToTheShareOfSamplesThatAreNotEmpty) {
             const Vec3 wo = direction_at(degrees, 0.3);
             EXPECT_NEAR(density_integral(m, wo), sampled_share(m, wo).valid, 3e-3) << n << ' ' << degrees;
         }
-}
-
-// Both lobes together reflect rho_d + rho_s at normal incidence, and never more
-// (Lafortune and Willems 1994, section 4).
-TEST(Phong, ReflectsAtMostTheSumOfItsReflectances) {
-    for (float n : {0.f, 1.f, 30.f, 1e3f, 1e6f}) {
-        const Phong m{Color::Constant(0.3f), Color::Constant(0.5f), n};
-        EXPECT_NEAR(sampled_share(m, Vec3(0, 0, 1)).weight, 0.8, 1e-3) << n;
-        double last = 1;
-        for (double degrees : {20.0, 50.0, 80.0, 89.0}) {
-            const double share = sampled_share(m, direction_at(degrees, 0.3)).weight;
-            EXPECT_LE(share, 0.8 + 1e-3) << n << ' ' << degrees;
-            EXPECT_LE(share, last + 1e-3);
-            last = share;
-        }
-    }
-    for (double degrees : {0.0, 50.0, 80.0}) {
-        const Phong m{Color::Constant(0.3f), Color::Constant(0.5f), 30.f};
-        const Vec3 wo = direction_at(degrees, 0.3);
-        EXPECT_NEAR(sampled_share(m, wo).weight, reflected_integral(m, wo), 1e-3) << degrees;
-    }
 }
 
 // The mean of cos(alpha) under the density (n + 1) / (2 pi) cos^n is (n + 1) / (n + 2).
@@ -257,18 +216,6 @@ TEST(Phong, SamplesCarryTheirOwnValueAndDensity) {
     const Vec3 wo = direction_at(20, 0.3), wi = direction_at(25, 3.2);
     // f / pdf = rho_s (n + 2) / (n + 1).
     EXPECT_NEAR(f_of(only, wo, wi)[0] / only.pdf_w_local(wo, wi, Lobes::all), 32.f / 31.f, 1e-5f);
-}
-
-TEST(Phong, IsReciprocalAndOneSided) {
-    const Phong m{Color(0.2f, 0.3f, 0.4f), Color(0.5f, 0.2f, 0.1f), 20.f};
-    for (double a : {5.0, 50.0, 88.0})
-        for (double b : {10.0, 70.0, 95.0, 170.0}) {
-            const Vec3 o = direction_at(a, 0.4), i = direction_at(b, 3.0);
-            const Color there = f_of(m, o, i), back = f_of(m, i, o);
-            EXPECT_TRUE(((there - back).abs() <= 1e-5f * there).all());
-            EXPECT_EQ(is_black(there), b > 90);
-            EXPECT_EQ(m.sample_local(i, 0.5f, {0.3f, 0.3f}, Transport::radiance, Lobes::all).has_value(), b < 90);
-        }
 }
 
 TEST(Phong, ItsLobeIsSpecularFromARoughnessOfATenthOn) {

@@ -190,30 +190,6 @@ TEST(Material, ANormalThatTheEyeSeesFromBehindIsTurned) {
     EXPECT_NEAR(holes.at(flat_point()).coefficients_local(front).diffuse[0], 0.5f, 1e-6f);
 }
 
-// The mean weight of samples is the integral of f cos, whichever normal was sampled, and is at most 1 for radiance.
-// Each row is a z-test at 5 standard errors; alpha is below 1e-5 over all rows.
-TEST(Material, SamplesOfTurnedAndShadowedNormalsAgreeWithTheirDensity) {
-    constexpr std::uint32_t n = 1 << 17;
-    for (const Vec3& normal : {Vec3(0.3f, 0.1f, 1.f), Vec3(-1.f, 0.5f, 0.7f)})
-        for (float degrees : {5.f, 50.f, 85.f})
-            for (Transport transport : {Transport::radiance, Transport::power}) {
-                const Bsdf bsdf = tilted(normal.normalized(), nested(diffuse(1.f)), {true, true}).at(flat_point());
-                const Vec3 wo = direction(degrees, 0.4f);
-                Moments uniform;
-                for (std::uint32_t i = 0; i < n; ++i) {
-                    const Vec2 u = Sampler(PointSet::independent, 4, 6, i).get_2d(0);
-                    const float z = u.x(), r = safe_sqrt(1.f - z * z), phi = 2.f * pi * u.y();
-                    const Vec3 wi(r * std::cos(phi), r * std::sin(phi), z);
-                    uniform.add(static_cast<double>(bsdf.f_local(wo, wi, transport).sum()[0] * z * 2.f * pi));
-                }
-                const Albedo sampled = sampled_albedo(bsdf, wo, transport);
-                EXPECT_NEAR(sampled.mean, uniform.mean(), 5 * std::hypot(sampled.error, uniform.standard_error()))
-                    << normal.transpose() << ", " << degrees;
-                if (transport == Transport::power) continue;
-                EXPECT_LE(sampled.mean, 1.0 + 1e-6);
-            }
-}
-
 TEST(Material, ATextureVariesAParameterOverTheSurface) {
     TexturedScattering node{diffuse(1.f), {}};
     node.parameters.push_back({Texture(CheckerboardTexture{constant(0.25f), constant(0.75f), {}}),

@@ -218,19 +218,6 @@ TEST(RoughPlastic, ItsBaseGivesOffAtMostWhatComesIn) {
             }
 }
 
-TEST(RoughPlastic, SamplesCarryTheirOwnValueAndDensity) {
-    for (auto type : microfacet_types)
-        for (float alpha : {0.05f, 0.3f, 1.f}) {
-            const RoughPlastic m = rough_plastic(type, alpha, Color::Constant(0.5f));
-            for (double degrees : {0.0, 45.0, 80.0, 89.0}) {
-                const Vec3 wo = direction_at(degrees, 0.3);
-                expect_samples_agree(m, wo, 1e-5f, "rough plastic", 20.f);
-                if (alpha < 0.3f) continue;
-                EXPECT_NEAR(density_integral(m, wo), sampled_share(m, wo).valid, 3e-3) << alpha << ' ' << degrees;
-            }
-        }
-}
-
 TEST(RoughPlastic, ItsCoatIsSpecularIfItIsSmoothEnough) {
     const Vec3 wo = direction_at(30, 0), wi = direction_at(30, std::numbers::pi);
     const RoughPlastic narrow = rough_plastic(MicrofacetType::beckmann, 0.1f),
@@ -250,19 +237,6 @@ TEST(RoughPlastic, ItsCoatIsSpecularIfItIsSmoothEnough) {
     EXPECT_EQ(s->lobe, LobeKind::specular);
     EXPECT_EQ(s->f[0], narrow.f_local(wo, s->wi, Transport::radiance).specular[0]);
     EXPECT_EQ(s->pdf_w, narrow.pdf_w_local(wo, s->wi, Lobes::specular));
-}
-
-TEST(Plastic, NothingIsEverNaN) {
-    for (float eta : {1.f, 1.49f, 0.7f})
-        expect_finite(plastic(eta), "plastic");
-    for (auto type : microfacet_types)
-        for (float alpha : {0.f, 0.05f, 1.f})
-            for (float eta : {1.f, 1.49f}) {
-                RoughPlastic m = colored<RoughPlastic>(eta, Color::Ones(), true);
-                m.distribution = {type, alpha, alpha};
-                m.prepare();
-                expect_finite(m, "rough plastic");
-            }
 }
 
 }  // namespace

@@ -236,19 +236,5 @@ TEST(DisplacedShape, FaceNormalsStayFacets) {
     }
 }
 
-TEST(DisplacedShape, ErrorsNameThePlace) {
-    const std::string displaced = "\n" + number("displacement", 1);
-    expect_errors({{shape("sphere", displaced), "3:1", "only meshes can be displaced"},
-                   {shape("cube", displaced, number("displacement_edge", 1e-4)), "3:1",
-                    "displaced, the mesh would have more than 10000000 triangles"},
-                   {shape("cube", "\n", number("displacement_edge", 1)), "3:1",
-                    "shape 'cube' does not take a parameter 'displacement_edge'"}});
-    const TemporaryFolder folder;
-    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    const std::string board = named("texture", "displacement", "checkerboard");
-    EXPECT_THAT(scene_error(shape("obj", filename("m.obj"), "\n", board), folder / "s.xml"),
-                HasSubstr("s.xml:3:1: the displacement is a texture, but the mesh has no texture coordinates"));
-}
-
 }  // namespace
 }  // namespace gib::test::displacement_test

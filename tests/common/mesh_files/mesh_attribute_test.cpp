@@ -165,25 +165,6 @@ TEST_F(MeshAttributeTextures, LampsEmitTheAttribute) {
     }
 }
 
-TEST_F(MeshAttributeTextures, ErrorsNameThePlace) {
-    const auto error = [&](const std::string& body) { return error_of(body); };
-    expect_errors(
-        {{square("\n" + painted("vertex_paint")), "3:92",
-          "the mesh has no attribute 'vertex_paint'; it has: vertex_color, vertex_heat, face_color"},
-         {square(painted("paint")), "", "the name of an attribute begins with 'vertex_' or 'face_', not 'paint'"},
-         {shape("sphere", painted("vertex_color")), "", "there is no attribute 'vertex_color' here"},
-         {square(painted("vertex_color", number("scale", 2))), "",
-          "'reflectance' must be between 0 and 1, but its texture has 2"}},
-        error, folder_ / "s.xml");
-    std::string bright = painted_square;
-    bright.replace(bright.find("0 0 0 0 0 0.5 0.25"), 18, "0 0 0 0 0 1e30 0.25");
-    folder_.write("square.ply", bright);
-    EXPECT_THAT(error_of(square(emitter("area", attribute("radiance", "vertex_color", number("scale", 1e30))))),
-                HasSubstr("the 'scale' of the attribute 'vertex_color' is too large: 1e+30"));
-    EXPECT_EQ(error_of(with_id("bsdf", "diffuse", "unused", attribute("reflectance", "vertex_any")) + square("")),
-              "no error");
-}
-
 TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
     const auto raw = [](const std::string& value) {
         return bsdf("diffuse", named("texture", "reflectance", "rawconstant", value));

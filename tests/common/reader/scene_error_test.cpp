@@ -131,13 +131,6 @@ TEST(SceneErrors, References) {
                    {ball + "<alias id='a' as='b'/>", "2:30", "there is no object with the id 'a'"}});
 }
 
-TEST(SceneErrors, Integrators) {
-    expect_errors({{ball + "\n<integrator type='path'>\n<boolean name='hide_emitters' value='maybe'/></integrator>",
-                    "4:31", "maybe"},
-                   {ball + "\n<integrator type='path'>\n<integer name='max_depth' value='-2'/></integrator>", "4:27",
-                    "'max_depth' must be between -1 and"}});
-}
-
 TEST(SceneErrors, FilesThatAreMissing) {
     const TemporaryFolder folder;
     const std::string main = folder / "main.xml";

@@ -80,40 +80,6 @@ TEST(MediumErrors, Grids) {
                   error);
 }
 
-// The error of a wrong volume file names the file alone, because it has neither lines nor columns.
-TEST(MediumErrors, VolumeFiles) {
-    const TemporaryFolder folder;
-    const std::string good = volume_bytes({2, 1, 1}, 1, {1, 2});
-    const auto with = [&](std::size_t at, auto value) {
-        std::string bytes = good;
-        bytes.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
-        return bytes;
-    };
-    const std::vector<std::pair<std::string, std::string>> rows = {
-        {"", "the file ends in its first bytes"},
-        {good.substr(0, 3), "the file ends in its version"},
-        {good.substr(0, 20), "the file ends in its number of channels"},
-        {good.substr(0, 30), "the file ends in its box"},
-        {"PLY" + good.substr(3), "it does not start with VOL"},
-        {with(3, std::uint8_t{2}), "version 2 is not supported"},
-        {with(4, std::int32_t{2}), "encoding 2 is not supported; 1, float32, and 3, uint8, are"},
-        {with(4, std::int32_t{3}), "8 bytes of values where its size asks for 2"},
-        {with(8, std::int32_t{0}), "a side of 0 voxels"},
-        {with(12, std::int32_t{-4}), "a side of -4 voxels"},
-        {with(16, std::int32_t{100000}), "a side of 100000 voxels"},
-        {with(20, std::int32_t{2}), "2 channels; 1 or 3 are supported"},
-        {good.substr(0, good.size() - 1), "7 bytes of values where its size asks for 8"},
-        {good + "x", "9 bytes of values where its size asks for 8"},
-        {with(48, std::numeric_limits<float>::quiet_NaN()), "a value is not finite"},
-        {with(52, std::numeric_limits<float>::infinity()), "a value is not finite"},
-    };
-    for (const auto& [bytes, message] : rows) {
-        const std::string file = folder.write("v.vol", bytes);
-        EXPECT_THAT(error_in("heterogeneous", grid("sigma_t", file)),
-                    AllOf(StartsWith(file + ":1:1: "), HasSubstr(message)));
-    }
-}
-
 // A file of bytes means what a file of these numbers over 255 does.
 TEST(MediumReader, TakesVolumesOfBytes) {
     const TemporaryFolder folder;

@@ -132,27 +132,6 @@ TEST(Cylinder, BoundsTouchIt) {
     }
 }
 
-/// A chi-square test of 8 x 8 bins of uv at alpha = 0.001: the quantile is 103.4 for 63 degrees of freedom.
-TEST(Cylinder, SamplesAreUniformOverItsArea) {
-    const Cylinder c{Vec3(1, 2, 3), Vec3(0, 0, 5), Vec3::UnitX(), Vec3::UnitY(), 0.5f};
-    EXPECT_NEAR(area_of(c), 5 * std::numbers::pi, 1e-12);
-    const AreaSampler surface(c);
-    EXPECT_FLOAT_EQ(surface.area(), static_cast<float>(5 * std::numbers::pi));
-    Random random(4);
-    std::array<double, 64> counts{};
-    constexpr int samples = 64'000;
-    for (int i = 0; i < samples; ++i) {
-        const SurfacePoint q = surface.sample(c, random.next_2d());
-        const Vec2 uv = surface_at(c, 0, 0, 0, q.p).uv;
-        const auto cell = [](float x) { return std::min<std::size_t>(static_cast<std::size_t>(x * 8.f), 7); };
-        counts[cell(uv.x()) * 8 + cell(uv.y())] += 1;
-    }
-    double chi2 = 0;
-    for (const double n : counts)
-        chi2 += (n - samples / 64.0) * (n - samples / 64.0) / (samples / 64.0);
-    EXPECT_LT(chi2, 103.4);
-}
-
 LoadedScene lamp(const std::string& more = "") {
     return load(shape("cylinder", radius(0.5), point("p0", 0, 0, -1), point("p1", 0, 0, 1), area_light(3), more));
 }
@@ -184,32 +163,6 @@ double irradiance_by_quadrature(const gib::Scene& scene, const Vec3& p, const Ve
             if (hit) sum += static_cast<double>(hit->Le(-w)[0]);
         }
     return std::numbers::pi * sum / (static_cast<double>(n) * n);
-}
-
-TEST(Cylinder, LightSamplesGiveTheIrradianceOfItsDirections) {
-    const auto loaded = lamp();
-    const auto& scene = *loaded.scene;
-    const Vec3 p(1.5f, 0.2f, 0.7f), normal = Vec3(-1, 0.1f, -0.3f).normalized();
-    Random random(5);
-    Moments irradiance;
-    constexpr int samples = 200'000;
-    for (int i = 0; i < samples; ++i) {
-        const auto s = scene.sample_light(p, random.next(), random.next_2d());
-        double e = 0;
-        if (s && !scene.occluded({p, s->target - p, 0, 1}))
-            e = static_cast<double>(s->Le[0] * std::max(s->wi.dot(normal), 0.f) / s->pdf_w);
-        if (e > 0) {
-            const auto hit = scene.intersect({p, s->wi});
-            // Near the silhouette, the rounding of the two points decides the densities.
-            if (hit && -hit->ng.dot(s->wi) > 0.1f) {
-                EXPECT_NEAR(scene.light_pdf_w(p, *hit) / s->pdf_w, 1, 1e-3);
-            }
-        }
-        irradiance.add(e);
-    }
-    // 3.9 standard errors: alpha = 1e-4; the quadrature's own error is far smaller.
-    EXPECT_NEAR(irradiance.mean(), irradiance_by_quadrature(scene, p, normal),
-                3.9 * irradiance.standard_error() + 1e-3 * irradiance.mean());
 }
 
 TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {

@@ -195,33 +195,5 @@ TEST(SpectrumErrors, Lists) {
                   [](const std::string& content) { return lamp_error(content); });
 }
 
-TEST(SpectrumErrors, Files) {
-    const TemporaryFolder folder;
-    const std::string main = folder / "main.xml", path = folder / "a.spd";
-    expect_errors(
-        {{"400 1\n500\n", "2:4", "a number is missing"},
-         {"400 1\n 500 x\n", "2:6", "bad number 'x'"},
-         {"400 1\n500 1 2\n", "2:7", "a line has two numbers"},
-         {"400 1\n\n 300 1\n", "3:2", "the wavelengths must increase"},
-         {"400 -1\n500 1\n", "1:1", "'radiance' must not be negative: -1"},
-         {"400 inf\n500 1\n", "1:1", "bad number 'inf'"},
-         {"400 1\n", "1:1", "a spectrum needs two wavelengths or more, found 1"},
-         {"# nothing\n", "1:1", "a spectrum needs two wavelengths or more, found 0"},
-         {"", "1:1", "a spectrum needs two wavelengths or more, found 0"}},
-        [&](const std::string& content) {
-            folder.write("a.spd", content);
-            return lamp_error("<spectrum name='radiance' filename='a.spd'/>", main);
-        },
-        path);
-    expect_errors(
-        {{"filename='no.spd'", "3:27", "there is no file 'no.spd'; searched: "},
-         {"filename='.'", "", "it is a folder"},
-         {"value='1' filename='a.spd'", "3:37", "give either 'value' or 'filename'"}},
-        [&](const std::string& attributes) {
-            return lamp_error("<spectrum name='radiance' " + attributes + "/>", main);
-        },
-        main);
-}
-
 }  // namespace
 }  // namespace gib::test::scene_spectrum_test

@@ -239,13 +239,5 @@ TEST(BusyMachine, IsSeenByThreadsThatWait) {
     EXPECT_LT(text.find("- Warning: the machine was busy"), text.find("## Each method")) << "before any number";
 }
 
-TEST(BusyMachine, IsSeenBySeedsWhosePassesTakeLonger) {
-    std::vector<Cell> cells = runs("path", 1e-2, 1, 8);
-    EXPECT_FALSE(busy_machine(analysis_of(cells), "gibench run 'e.toml'"));
-    cells[2] = run_of("path", 1e-2, 1.6, 12.8, 0, 3);
-    EXPECT_THAT(busy_machine(analysis_of(cells), "gibench run 'e.toml'")->sentence,
-                HasSubstr("a pass takes 1 s to 1.6 s, 8 passes"));
-}
-
 }  // namespace
 }  // namespace gib::test::sentences_test

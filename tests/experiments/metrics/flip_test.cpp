@@ -22,8 +22,6 @@ using ::testing::FloatEq;
 using ::testing::FloatNear;
 using ::testing::Le;
 
-constexpr auto all_channels = {OpponentChannel::achromatic, OpponentChannel::red_green, OpponentChannel::blue_yellow};
-
 Image constant(const Color& color, int width = 5, int height = 4) { return constant_image(color, width, height); }
 
 /// Independent values in [0, largest).
@@ -34,73 +32,6 @@ Image random_image(int width, int height, unsigned seed, float largest = 1) {
     for (float& v : image.rgb)
         v = uniform(random);
     return image;
-}
-
-/// A plane of 0, with 1 from the column `first_bright` on.
-Plane step_plane(int width, int height, int first_bright) {
-    Plane plane(width, height);
-    for (int y = 0; y < height; ++y)
-        std::fill(plane.row(y) + first_bright, plane.row(y) + width, 1.f);
-    return plane;
-}
-
-TEST(FlipFilters, WeightsSumToOneAtEveryResolution) {
-    for (const double pixels_per_degree : {1.0, 7.5, default_pixels_per_degree, 150.0})
-        for (const auto channel : all_channels) {
-            double shares = 0;
-            for (const auto& [share, kernel] : contrast_filter(channel, pixels_per_degree)) {
-                double sum = 0;
-                for (const float w : kernel)
-                    sum += static_cast<double>(w);
-                EXPECT_NEAR(sum, 1, 1e-6) << pixels_per_degree;
-                EXPECT_EQ(kernel.size() % 2, 1u);
-                shares += static_cast<double>(share);
-            }
-            EXPECT_NEAR(shares, 1, 1e-6) << pixels_per_degree;
-        }
-}
-
-TEST(FlipFilters, AConstantStaysAndHasNoFeatures) {
-    for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 2), std::pair(40, 1), std::pair(30, 25)}) {
-        Plane plane(width, height);
-        std::fill(plane.values.begin(), plane.values.end(), 0.3f);
-        for (const auto channel : all_channels)
-            EXPECT_THAT(contrast_filtered(plane, channel, default_pixels_per_degree).values,
-                        Each(FloatNear(0.3f, 1e-6f)));
-        const Features features = detected_features(plane, default_pixels_per_degree);
-        EXPECT_THAT(features.edges.values, Each(Le(1e-6f)));
-        EXPECT_THAT(features.points.values, Each(Le(1e-6f)));
-    }
-}
-
-// Beside a straight step, all positive weights or all negative ones lie on the
-// bright side, so the edge's strength is 1.
-TEST(FlipFilters, AStepHasAnEdgeOfStrengthOneOnBothSides) {
-    const Features features = detected_features(step_plane(60, 20, 30), default_pixels_per_degree);
-    for (int y = 0; y < 20; ++y) {
-        EXPECT_NEAR(features.edges.row(y)[29], 1, 1e-5);
-        EXPECT_NEAR(features.edges.row(y)[30], 1, 1e-5);
-        EXPECT_NEAR(features.edges.row(y)[10], 0, 1e-5);
-        EXPECT_LT(features.points.row(y)[30], 0.6f);
-    }
-}
-
-// One bright pixel meets the middle weights of the point filter: -1 over the
-// sum of the negative ones, along both axes.
-TEST(FlipFilters, AnIsolatedPixelIsAPoint) {
-    Plane plane(41, 41);
-    plane.row(20)[20] = 1;
-    const double deviation = 0.5 * 0.082 * default_pixels_per_degree;
-    const int radius = static_cast<int>(std::ceil(3 * deviation));
-    double negative = 0;
-    for (int y = -radius; y <= radius; ++y)
-        for (int x = -radius; x <= radius; ++x) {
-            const double weight = (x * x / sqr(deviation) - 1) * std::exp(-(x * x + y * y) / (2 * sqr(deviation)));
-            if (weight < 0) negative -= weight;
-        }
-    const Features features = detected_features(plane, default_pixels_per_degree);
-    EXPECT_NEAR(features.points.row(20)[20], std::sqrt(2) / negative, 1e-6);
-    EXPECT_NEAR(features.edges.row(20)[20], 0, 1e-6);
 }
 
 TEST(Flip, EqualImagesDifferByExactlyZero) {
@@ -139,18 +70,6 @@ TEST(Flip, ConstantColorsDifferByTheirColorErrorAtEverySize) {
             }
 }
 
-// No two colours of a screen are further apart than green and blue.
-TEST(Flip, GreenAgainstBlueAloneIsOne) {
-    const auto corner = [](int i) { return constant(Color(float(i & 1), float(i >> 1 & 1), float(i >> 2 & 1))); };
-    constexpr int green = 2, blue = 4;
-    for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < a; ++b) {
-            const double error = ldr_flip(corner(a), corner(b)).mean();
-            if (b == green && a == blue) EXPECT_NEAR(error, 1, 1e-6);
-            else EXPECT_LT(error, 0.9999) << a << " " << b;
-        }
-}
-
 TEST(Flip, IsThePapersMapComputedByPlainSums) {
     for (const double pixels_per_degree : {8.0, 40.0}) {
         // The cases are noise, and an image with a bright point against one with an edge: features of both kinds.
@@ -167,35 +86,6 @@ TEST(Flip, IsThePapersMapComputedByPlainSums) {
             for (std::size_t i = 0; i < expected.size(); ++i)
                 EXPECT_NEAR(map.values[i], expected[i], 2e-4) << i << ", " << pixels_per_degree;
         }
-    }
-}
-
-TEST(Flip, PointsAndEdgesCountMoreThanTheirColor) {
-    const Image grey = constant({0.2f, 0.2f, 0.2f}, 41, 41);
-    Image point = grey, edge = grey;
-    const std::size_t middle = 20 * 41 + 20;
-    point.set(middle, {1, 1, 1});
-    for (std::size_t i = 0; i < edge.pixels(); ++i)
-        if (i % 41 >= 20) edge.set(i, {0.5f, 0.5f, 0.5f});
-    for (const Image& image : {point, edge}) {
-        const double whole = static_cast<double>(ldr_flip(image, grey, 20).values[middle]);
-        const double color = paper::flip(image, grey, 20, paper::Terms::color)[middle];
-        EXPECT_GT(whole, color + 0.05);
-    }
-}
-
-TEST(Flip, GrowsWithTheError) {
-    const Image reference = random_image(30, 30, 6, 0.5f), noise = random_image(30, 30, 7, 0.5f);
-    double ldr_before = 0, hdr_before = 0;
-    for (const float strength : {0.01f, 0.03f, 0.1f, 0.3f, 1.f}) {
-        Image test = reference;
-        for (std::size_t i = 0; i < test.rgb.size(); ++i)
-            test.rgb[i] += strength * noise.rgb[i];
-        const double ldr = ldr_flip(test, reference).mean(), hdr = hdr_flip(test, reference).mean();
-        EXPECT_GT(ldr, ldr_before);
-        EXPECT_GT(hdr, hdr_before);
-        ldr_before = ldr;
-        hdr_before = hdr;
     }
 }
 
@@ -268,14 +158,6 @@ TEST(HdrFlip, DoesNotDependOnTheUnitOfRadiance) {
     const FlipMap map = hdr_flip(test, reference), scaled = hdr_flip(mapped(test, scale), mapped(reference, scale));
     EXPECT_THAT(scaled.values, ::testing::Pointwise(FloatNear(1e-3f), map.values));
     EXPECT_NEAR(scaled.mean(), map.mean(), 1e-5);
-}
-
-TEST(HdrFlip, IsTheSameForAnyNumberOfThreads) {
-    const Image test = random_image(90, 70, 12, 5), reference = random_image(90, 70, 13, 5);
-    std::vector<FlipMap> maps;
-    for (const int threads : {1, 5})
-        with_threads(threads, [&] { maps.push_back(hdr_flip(test, reference)); });
-    EXPECT_EQ(maps[0].values, maps[1].values);
 }
 
 // The value 128 lies between two of the colours that the program holds.

@@ -34,18 +34,6 @@ std::vector<T> array(const std::string& page, const std::string& name) {
     return values;
 }
 
-TEST(Rgbe, RoundsToAnEightBitMantissa) {
-    for (const double scale : {1.0, 1e-30, 1e30, 255.9, 0.998}) {
-        const Colord color = scale * Colord(1, 0.5, 0.013);
-        const auto packed = rgbe_of(color);
-        for (int i = 0; i < 3; ++i)
-            EXPECT_NEAR(std::ldexp(packed[static_cast<std::size_t>(i)], packed[3] - 136), color[i], scale / 250)
-                << scale;
-    }
-    EXPECT_EQ(rgbe_of(Colord::Zero())[3], 0);
-    EXPECT_EQ(rgbe_of(Colord::Constant(std::nan("")))[3], 0);
-}
-
 TEST(PhotonsPage, HoldsThePhotonsOfTheRun) {
     const auto fog = shipped_scene("fog.xml", {{}, std::pair{4, 4}});
     const std::string label = "photon_mapper photons=3000";
@@ -107,26 +95,6 @@ TEST(PhotonsPage, CountsWhatWasEmittedForBeamsOfAllPasses) {
     EXPECT_EQ(light.photons[0].emitted, 900u);
     EXPECT_EQ(light.beams.beams.size(), light.stored_beams);
     EXPECT_GT(light.stored_beams, 0u);
-}
-
-TEST(PhotonsPage, HoldsWavelengthsAndPasses) {
-    const auto prism =
-        Scene(element("sensor", "perspective", box_film(4)), shape("rectangle", diffuse(0.7)),
-              shape("sphere", center(0, 0, 2), radius(0.7), bsdf("dielectric", number("cauchy_b", 0.02))),
-              point_light(0, 0, 5, 1))
-            .load();
-    const CollectedLight light = light_of(prism, "progressive_photon_mapper photons=2000 radius=0.01", 5000, 3);
-    EXPECT_EQ(light.passes, 3u);
-    const auto infos =
-        array<std::uint8_t>(photons_page({prism, "progressive_photon_mapper", 1, light}), "photon-infos");
-    std::set<int> strata, passes;
-    for (std::size_t i = 0; i < infos.size(); i += 4) {
-        strata.insert(infos[i + 2]);
-        passes.insert(infos[i + 3]);
-    }
-    EXPECT_GT(strata.size(), 16u);
-    EXPECT_LE(*strata.rbegin(), 32);
-    EXPECT_THAT(passes, ElementsAre(0, 1, 2));
 }
 
 TEST(PhotonsPage, AsksForNothingOutsideTheFile) {

@@ -22,17 +22,6 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(CommandLineTest, HelpAndVersionSucceed) {
-    EXPECT_EQ(run("--help").code, 0);
-    EXPECT_EQ(run("help").out, run("--help").out);
-    EXPECT_EQ(run("help run").out, run("run --help").out);
-    EXPECT_THAT(run("--help").out, AllOf(HasSubstr("render"), Not(HasSubstr("measure-cell"))));
-    EXPECT_THAT(run("--version").out,
-                AllOf(StartsWith("gibench "), HasSubstr("\ncommit: "), HasSubstr("\ncompiler: "),
-                      HasSubstr("\nbuild type: "), HasSubstr("-ffp-contract=off"), Not(HasSubstr("$<"))));
-    EXPECT_THAT(run("render --help").out, AllOf(HasSubstr("photon_mapper"), HasSubstr("max_depth")));
-}
-
 TEST_F(CommandLineTest, WrongInputGivesTwoAndWritesNothing) {
     folder_.write("broken.xml", "<scene version='3.0.0'>\n<sensr/></scene>");
     folder_.write("e.toml", "scenes = ['tiny.xml']\n[[method]]\nname = 'path'\nspq = 3\n");
@@ -280,15 +269,6 @@ TEST_F(CommandLineTest, ARunEndsWithItsVerdict) {
     EXPECT_THAT(run("compare-runs new/deep/r new/deep/r --csv").out,
                 StartsWith("scene,method,number,at,before,after,factor,"));
     EXPECT_EQ(run("compare-runs new/deep/r nowhere").code, 2);
-}
-
-TEST_F(CommandLineTest, ListsNameFirst) {
-    EXPECT_THAT(run("list methods").out, AllOf(StartsWith("path "), HasSubstr("\nphoton_mapper ")));
-    EXPECT_THAT(run("list methods --parameters").out, AllOf(HasSubstr("  photons"), HasSubstr("  spp")));
-    EXPECT_THAT(run("list effects").out, StartsWith("direct_light "));
-    EXPECT_THAT(run("list scenes").out, HasSubstr("cornell-box "));
-    EXPECT_THAT(run("list keys").out, AllOf(StartsWith("experiment "), HasSubstr("\n[tune] "), HasSubstr("\n  vary ")));
-    EXPECT_THAT(run("list columns").out, AllOf(StartsWith("table.csv "), HasSubstr("\n  bias2_hi ")));
 }
 
 TEST_F(CommandLineTest, TheReferenceOfKeysAndColumnsIsMadeFromTheirDeclarations) {

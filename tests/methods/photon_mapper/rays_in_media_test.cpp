@@ -139,20 +139,6 @@ TEST_P(VolumeLookUps, AgreeWithThePathTracerOnGrids) {
     }
 }
 
-TEST_P(VolumeLookUps, ImagesAreBitIdenticalForOneTwoAndThreeThreads) {
-    const TemporaryFolder folder;
-    const auto scene = scene_of(volume_caustic(cloud(folder, 3)));
-    for (const std::string method : {"photon_mapper photons=1e4", "progressive_photon_mapper photons=2000"}) {
-        const std::string label = method + " volume=" + GetParam();
-        const Image one = render(scene, label, 2, 1, 1).total();
-        for (const int threads : {2, 3}) {
-            const Image more = render(scene, label, 2, 1, threads).total();
-            for (std::size_t i = 0; i < one.pixels(); ++i)
-                ASSERT_TRUE((one.at(i) == more.at(i)).all()) << label << ", " << threads << " threads, pixel " << i;
-        }
-    }
-}
-
 // Both find the same light on surfaces as volume=points: their photons do not depend on how media are looked up.
 TEST_P(VolumeLookUps, LeaveThePhotonsOnSurfacesAsTheyAre) {
     const auto scene = scene_of(volume_caustic(""));

@@ -404,27 +404,6 @@ TEST(ProjectionMap, FindsWhatInstancesShow) {
     EXPECT_GT(met, 300);
 }
 
-TEST(ProjectionMap, IsTheSameForAnyNumberOfThreads) {
-    const auto scene = shipped_scene("cornell-glass.xml", {{}, std::pair{32, 32}});
-    const auto build = [&](int threads) {
-        std::unique_ptr<ProjectionMap> map;
-        with_threads(threads, [&] { map = std::make_unique<ProjectionMap>(*scene.scene, TargetSurfaces::specular); });
-        return map;
-    };
-    const auto one = build(1);
-    EXPECT_TRUE(one->aims());
-    for (const int threads : {2, 5}) {
-        const auto many = build(threads);
-        ASSERT_EQ(one->bins().size(), many->bins().size());
-        for (std::size_t i = 0; i < one->bins().size(); ++i) {
-            ASSERT_EQ(one->bins()[i].box.lower, many->bins()[i].box.lower);
-            ASSERT_EQ(one->bins()[i].box.upper, many->bins()[i].box.upper);
-        }
-        const auto image = [&](int n) { return render(scene, "photon_mapper photons=20000", 1, 1, n).total().rgb; };
-        EXPECT_EQ(image(1), image(threads));
-    }
-}
-
 TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
     const auto step_of = [](const LoadedScene& scene, const std::string& pass, const std::string& projection) {
         const MethodLabel label{"photon_mapper", {{"projection", projection}}};

@@ -112,24 +112,5 @@ TEST(FinalGather, FurnaceIsEven) {
     }
 }
 
-TEST(FinalGather, PlanSaysWhatRunsAndWhy) {
-    const auto& method = find_method("photon_mapper");
-    const auto plan_of = [&](const char* file, const std::vector<std::pair<std::string, std::string>>& values) {
-        return method.create(ParameterValues(all_parameters(method), {"photon_mapper", values}), {})
-            ->plan(*shipped_scene(file).scene);
-    };
-    const Plan none = plan_of("cornell-box.xml", {{"photons", "1000"}});
-    EXPECT_FALSE(none.runs("final gathering"));
-    EXPECT_TRUE(none.runs("global map"));
-    const Plan cached = plan_of("cornell-box.xml", {{"photons", "1000"}, {"gather", "16"}, {"cache", "on"}});
-    EXPECT_TRUE(cached.runs("final gathering") && cached.runs("irradiance cache") && cached.runs("global map") &&
-                cached.runs("precomputed irradiance"));
-    const Plan paths = plan_of("cornell-box.xml", {{"photons", "1000"}, {"gather", "16"}, {"source", "paths"}});
-    EXPECT_TRUE(paths.runs("final gathering"));
-    EXPECT_FALSE(paths.runs("global map") || paths.runs("precomputed irradiance") || paths.runs("irradiance cache"));
-    EXPECT_FALSE(plan_of("fog.xml", {{"photons", "1000"}, {"gather", "16"}}).runs("final gathering"));
-    EXPECT_THROW(plan_of("cornell-box.xml", {{"cache", "on"}}), InputError);
-}
-
 }  // namespace
 }  // namespace gib::test::final_gather_test

@@ -1,8 +1,7 @@
-// The photon map's searches against a search over all photons and against nanoflann.
+// The photon map's searches against a search over all photons.
 #include "methods/parts/photons/photon_map.h"
 #include "common/core/parallel.h"
 #include "methods/parts/photons/photon_walk.h"
-#include "tests/support/nanoflann_tree.h"
 #include "tests/support/scene_fixtures.h"
 
 #include <algorithm>
@@ -188,39 +187,6 @@ TEST(PhotonMap, LargeKMeetsFewPhotonsInVain) {
     EXPECT_LT(static_cast<double>(asked), 2.55 * k * queries);  // measured: 2.44, and 2.69 without the buckets
 }
 
-/// nanoflann finds the same photons of the Cornell box's global map within the same distances.
-TEST(PhotonMap, FindsWhatNanoflannFinds) {
-    const auto scene = shipped_scene("cornell-box.xml");
-    const auto walk = trace_photons(*scene.scene, PhotonMapKind::global, 200000, std::numeric_limits<int>::max(), 1);
-    const PhotonMap map(walk.photons, 1);
-    NanoflannCloud cloud;
-    for (std::size_t i = 0; i < map.size(); ++i)
-        cloud.points.push_back(map[i].p);
-    const NanoflannTree yardstick(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-    Neighbours found;
-    std::vector<std::uint32_t> index(200);
-    std::vector<float> distance2(200);
-    for (std::size_t i = 0; i < 4096; ++i) {
-        const Vec3 q = cloud.points[i * 2654435761u % cloud.points.size()];
-        for (std::size_t k : {50u, 200u}) {
-            map.nearest(q, k, std::numeric_limits<float>::max(), accept_all, found);
-            ASSERT_EQ(yardstick.knnSearch(q.data(), k, index.data(), distance2.data()), k);
-            ASSERT_EQ(found.size(), k);
-            // Several photons may have the k-th distance; the two searches may choose different ones.
-            const float farthest = distance2[k - 1];
-            EXPECT_EQ(found.back().distance2, farthest);
-            std::vector<std::uint32_t> ours, theirs;
-            for (std::size_t j = 0; j < k; ++j) {
-                if (found[j].distance2 < farthest) ours.push_back(found[j].index);
-                if (distance2[j] < farthest) theirs.push_back(index[j]);
-            }
-            std::sort(ours.begin(), ours.end());
-            std::sort(theirs.begin(), theirs.end());
-            ASSERT_EQ(ours, theirs);
-        }
-    }
-}
-
 TEST(Selection, PutsTheKthWhereSortingWould) {
     for (std::size_t n : {1u, 2u, 3u, 4u, 47u, 48u, 1000u, 30000u})
         for (int order = 0; order < 4; ++order) {
@@ -252,22 +218,6 @@ TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
     EXPECT_EQ(found.size(), 50u);
     for (const auto& f : found)
         EXPECT_LT(map[f.index].edges, 9);
-}
-
-TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
-    const auto photons = random_photons(200000, 3, 1.f);
-    const auto order = [&](int threads) {
-        std::vector<float> xs;
-        with_threads(threads, [&] {
-            const PhotonMap map(photons, 1);
-            for (std::size_t i = 0; i < map.size(); ++i)
-                xs.push_back(map[i].p.x());
-        });
-        return xs;
-    };
-    const auto one = order(1);
-    EXPECT_EQ(one, order(2));
-    EXPECT_EQ(one, order(5));
 }
 
 }  // namespace

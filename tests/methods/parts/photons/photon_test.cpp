@@ -238,22 +238,5 @@ TEST(PhotonWalk, PathsAreNotLongerThanTheirLimit) {
     }
 }
 
-TEST(PhotonWalk, PhotonsAreTheSameForAnyNumberOfThreads) {
-    const auto scene = shipped_scene("cornell-glass.xml");
-    const auto trace = [&](int threads) {
-        PhotonWalkResult walk;
-        with_threads(threads, [&] { walk = trace_photons(*scene.scene, PhotonMapKind::global, 50000, unlimited, 1); });
-        return walk;
-    };
-    const auto one = trace(1);
-    for (int threads : {2, 5}) {
-        const auto many = trace(threads);
-        ASSERT_EQ(one.photons.size(), many.photons.size());
-        for (std::size_t i = 0; i < one.photons.size(); ++i)
-            ASSERT_EQ(one.photons[i].p, many.photons[i].p);
-        EXPECT_EQ(one.rays, many.rays);
-    }
-}
-
 }  // namespace
 }  // namespace gib::test::photon_test
