@@ -170,8 +170,11 @@ void add_errors(Columns& c) {
         "whether averaging many images would remove the error: bias^2 and its 95 % interval as shares of the square "
         "of the relative RMSE; a method that is declared unbiased has noise alone, unless its mean energy contradicts "
         "that");
-    c.number({"noise_centroid", "cycles per pixel", "mean spatial frequency of the noise; white noise has 0.38"},
-             of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
+    c.number(
+        {"noise_centroid", "cycles per pixel",
+         "mean spatial frequency of the noise; white noise has 0.38. "
+         "Left out: pixels without noise, and those at edges, across which the reference changes by more than 25 %"},
+        of(&TableRow::noise, &NoiseSpectrum::centroid), in_errors | in_noise, "noise centroid [cycles per pixel]");
     c.number({"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel"},
              of(&TableRow::noise, &NoiseSpectrum::low_ratio), in_noise, "low frequencies [white noise = 1]",
              low_frequencies_field);
@@ -234,9 +237,7 @@ void add_laws(Columns& c) {
     c.number({"law_floor_bias2", "", "part of `law_floor` that is bias"}, floor_bias, in_laws, "bias in the floor %",
              floor_bias_field);
     c.means("root of the part of floor^2 that is bias^2");
-    c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope", [](const TableRow& r) {
-        return r.law ? measured(r.is_unbiased ? r.law->floorless_slope : r.law->slope) : Field{};
-    });
+    c.estimate({"law_slope", "", "slope of the law"}, law(&PriceLaw::slope), in_laws, "slope", slope_field);
     c.number({"law_factor", "", "c of the law, for t in seconds"},
              [](const TableRow& r) { return r.law ? measured(r.law->law.factor) : Field{}; });
     c.number({"law_misfit", "", "largest relative deviation of a measured squared error from the law"},

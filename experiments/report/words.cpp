@@ -269,6 +269,8 @@ FieldText text_of(const Field& field, const std::string& unit) {
             return {"below " + number(field.value), ""};
         case State::some_seeds:
             return {"not by all seeds", fmt::format("by {:.0f} of {}", field.value, field.seeds)};
+        case State::not_reached:
+            return {csv_state(field), field.reason};
         case State::never:
             return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
         case State::unbiased:

@@ -179,6 +179,14 @@ TEST(FootingWarnings, NameSceneMethodAndComponent) {
                       HasSubstr("- box: Warning: quick differs"), Not(HasSubstr("quick cannot be told"))));
 }
 
+TEST(FootingWarnings, CallABlackImageBlackAlsoWithoutAnInterval) {
+    Analysis analysis = crossing();
+    analysis.rows[0].footing = Footing{{0, {}}, 1, {-1, {}}, FootingVerdict::unresolved};
+    const auto warnings = footing_warnings(analysis);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_THAT(warnings[0].sentence, HasSubstr("`total` is black"));
+}
+
 TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     Analysis analysis;
     analysis.index.seeds = 4;

@@ -298,11 +298,31 @@ TEST(Times, ASlopeStandsBesideTheFloorOfItsLaw) {
     Analysis analysis;
     analysis.rows = {law_row()};
     PriceLaw& law = *analysis.rows[0].law;
-    law.slope = {1.25, {}};
-    law.floorless_slope = {0.75, {}};
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 1.25 |"), Not(HasSubstr("| 0.750 |"))));
+    law.slope = {1.25, Interval{1.2, 1.3}};
+    law.floorless_slope = {0.75, Interval{0.7, 0.8}};
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("| 1.25 ("), Not(HasSubstr("| 0.750 ("))));
     analysis.rows[0].is_unbiased = true;
-    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("0 (unbiased)"), HasSubstr("| 0.750 |")));
+    EXPECT_THAT(markdown_table(analysis), AllOf(HasSubstr("0 (unbiased)"), HasSubstr("| 0.750 (")));
+}
+
+TEST(Times, ASlopeThatThePointsDoNotDetermineIsNotPrinted) {
+    TableRow r = law_row();
+    EXPECT_EQ(slope_field(r).state, State::measured);
+    r.law->misfit = 0.6;
+    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "the law misses a point by 60 %";
+    r.law->misfit = 0;
+    r.law->slope = {4, {}};
+    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "five seeds, and no interval";
+}
+
+// A better method may have no time where a worse one has one: its field says why.
+TEST(Times, NotReachedSaysWhy) {
+    TableRow r = law_row();
+    r.law->misfit = 0.6;
+    const Field time = time_field(r, 3);
+    EXPECT_EQ(time.state, State::not_reached);
+    EXPECT_THAT(line_of(time), HasSubstr("not reached (the law misses points)"));
+    EXPECT_EQ(csv_state(time), "not reached") << "the state of table.csv is one of a list";
 }
 
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
