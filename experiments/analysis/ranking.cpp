@@ -105,7 +105,8 @@ Doubts doubts_about(const std::string& method, const std::vector<Contender>& ran
     for (const Contender& c : ranking) {
         if (c.method == method) continue;
         if (c.standing == Standing::open) doubts.open.push_back(c.method);
-        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own)) doubts.ties.push_back(c.method);
+        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own))
+            (c.logs.size() == 1 && !doubts.one_seed ? doubts.lone : doubts.ties).push_back(c.method);
     }
     return doubts;
 }

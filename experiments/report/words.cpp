@@ -336,7 +336,9 @@ std::string error_kind(const TableRow& row) {
 std::string words_of(const Doubts& doubts) {
     std::string text;
     if (!doubts.ties.empty()) text = doubts.one_seed ? "one seed does not tell" : "tie with " + named(doubts.ties);
-    if (!doubts.open.empty()) text += (text.empty() ? "not run longer: " : "; not run longer: ") + named(doubts.open);
+    for (const auto& [words, methods] :
+         {std::pair("one seed does not tell: ", &doubts.lone), {"not run longer: ", &doubts.open}})
+        if (!methods->empty()) text += (text.empty() ? "" : "; ") + (words + named(*methods));
     return text;
 }
 
