@@ -17,7 +17,7 @@ constexpr std::size_t walks_per_block = 1024;
 constexpr double bytes_per_vertex = 2 * sizeof(LightVertex) + 13;
 
 /// How the bias is estimated: as `factor` times the difference to the estimate from the same vertices within `narrow` times the
-/// radius. A bias of order p falls by 1 - narrow^p between the two.
+/// radius. A bias of order p falls by the share 1 - narrow^p between the two.
 ///
 /// On surfaces, vertices are merged in caustics. There p is 2 where light is smooth, and 1 at the edges of caustics and at rims
 /// that cut the disc: with kernel.h's 2 and r / sqrt(2), the stated bias was 0.16 to 0.64 of the measured one in mean square.

@@ -115,6 +115,15 @@ TEST(Verdicts, TheClosestInAFewWordsHasItsTies) {
     EXPECT_THAT(cheapest(analysis, "box", 3).detail, AllOf(HasSubstr("closest: a"), HasSubstr("tie with 'b'")));
 }
 
+// The box on top of the report says of which error the reference is the limit.
+TEST(Verdicts, NotResolvedInAFewWordsNamesWhatTheReferenceResolves) {
+    Analysis analysis = analysis_of(runs("a", 1e-2, 0.5, 64));
+    analysis.references.push_back({.scene = "box", .method = "path", .noise_floors = {{Layer::total, 4e-4}}});
+    const ShortAnswer answer = cheapest(analysis, "box", 3);
+    EXPECT_EQ(answer.method, "not resolved");
+    EXPECT_THAT(answer.detail, HasSubstr("the reference resolves 2.00 %"));
+}
+
 // One group of 16 has met a bright pixel. The reference's variance is as uncertain as it is large, and so is every error
 // from which it is subtracted.
 TEST(NoiseFloor, KnowsThatTheReferencesOwnErrorIsUncertain) {
