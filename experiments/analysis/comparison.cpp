@@ -243,7 +243,8 @@ private:
             if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
             if (are_told_apart(own, c)) told_apart_.insert(c.method);
-            std::vector<std::string>& ties = now.doubts.ties;
+            std::vector<std::string>& ties =
+                c.logs.size() == 1 && own.logs.size() > 1 ? now.doubts.lone : now.doubts.ties;
             if (told_apart_.count(c.method) > 0) std::erase(ties, c.method);
             else if (std::ranges::find(ties, c.method) == ties.end()) ties.push_back(c.method);
         }

@@ -39,7 +39,8 @@ struct Field {
     double value = std::numeric_limits<double>::quiet_NaN();
     std::optional<Interval> interval = std::nullopt;
     Unit unit = Unit::number;
-    int seeds = 0;  ///< of State::some_seeds
+    int seeds = 0;            ///< of State::some_seeds
+    const char* reason = "";  ///< of State::not_reached: why nothing tells when; empty: there is no law of the error
 
     bool is_measured() const { return state == State::measured; }
 };

@@ -106,7 +106,8 @@ Doubts doubts_about(const std::string& method, const std::vector<Contender>& ran
     for (const Contender& c : ranking) {
         if (c.method == method) continue;
         if (c.standing == Standing::open) doubts.open.push_back(c.method);
-        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own)) doubts.ties.push_back(c.method);
+        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own))
+            (c.logs.size() == 1 && !doubts.one_seed ? doubts.lone : doubts.ties).push_back(c.method);
     }
     return doubts;
 }
@@ -202,7 +203,8 @@ std::vector<Contender> Contest::to_error(std::size_t target) const {
         if (c.known == Contender::Known::lower_bounds) {
             const Field time = time_field(*row, target);
             constexpr double never = std::numeric_limits<double>::infinity();
-            if (time.state == State::never) c.by_law = Interval{never, never};
+            // A method that has converged needs no law: more time would not change its image.
+            if (time.state == State::never || have_converged(cells)) c.by_law = Interval{never, never};
             if (time.state == State::at_least) c.by_law = Interval{std::log(time.value), never};
             if (time.state == State::extrapolated)
                 c.by_law = Interval{std::log(time.interval->lo), std::log(time.interval->hi)};

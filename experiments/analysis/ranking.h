@@ -80,6 +80,7 @@ const Contender& of_method(const std::vector<Contender>& ranking, const std::str
 struct Doubts {
     std::vector<std::string> ties = {};  ///< methods that cannot be told from it
     std::vector<std::string> open = {};  ///< methods whose runs ended before this could be told
+    std::vector<std::string> lone = {};  ///< methods of one seed, whose scatter nothing tells; itself has more
     bool one_seed = false;
 };
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking);

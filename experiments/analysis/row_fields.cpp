@@ -42,20 +42,24 @@ constexpr double unmet_factor = 100;
 /// [s]. A time within the span is no extrapolation: the first image was better already, or the points scatter about the law.
 /// The law does not know when light will be met that no seed has met.
 Field field_of(const TableRow& row, double error2, double unit) {
-    if (!row.law || row.unmet >= error2) return {State::not_reached};
+    const auto not_reached = [](const char* reason) { return Field{.state = State::not_reached, .reason = reason}; };
+    if (!row.law) return not_reached("");
+    if (row.unmet >= error2) return not_reached("light that no seed has met");
     const PriceLaw& law = *row.law;
     const auto time = law.extrapolate(error2, row.is_unbiased);
-    if (!time) return {State::not_reached};
+    if (!time) return not_reached(row.seeds < 3 ? "three seeds would tell" : "no law fits");
     if (time->kind == Extrapolation::Kind::never) {
         const bool contradicted = row.statistics && row.statistics->rel_mse_corrected < law.floor.value;
-        return contradicted ? Field{State::not_reached}
+        return contradicted ? not_reached("the runs are below the law's floor")
                             : Field{State::never, law.floor.value, std::nullopt, Unit::root};
     }
-    if (!(time->seconds > law.last_seconds) || !law_reaches(law, time->seconds)) return {State::not_reached};
+    if (law.misfit > largest_misfit) return not_reached("the law misses points");
+    if (!(time->seconds > law.last_seconds)) return not_reached("the law has it within the runs");
+    if (!law_reaches(law, time->seconds)) return not_reached("beyond 100 times the runs");
     const double least = time->interval ? std::max(time->interval->lo, law.last_seconds) : time->seconds;
     if (!time->interval || unmet_factor * row.unmet > error2)
         return least > least_bound * law.last_seconds ? Field{State::at_least, least / unit}
-                                                      : Field{State::not_reached};
+                                                      : not_reached("the law gives no bound beyond twice the runs");
     return {State::extrapolated, time->seconds / unit, Interval{least / unit, time->interval->hi / unit}};
 }
 
@@ -133,6 +137,15 @@ Field time_field(const TableRow& row, std::size_t target) {
             field = {State::at_least, bound};
     }
     return field;
+}
+
+Field slope_field(const TableRow& row) {
+    if (!row.law) return {};
+    const Estimate& slope = row.is_unbiased ? row.law->floorless_slope : row.law->slope;
+    const double misfit = row.is_unbiased ? row.law->floorless_misfit : row.law->misfit;
+    // From three seeds on, a slope that the curve determines has an interval.
+    if (misfit > largest_misfit || (!slope.interval && row.seeds > 2)) return {State::cannot_be_told};
+    return measured(slope);
 }
 
 Field next_halving_field(const TableRow& row) {

@@ -32,6 +32,8 @@ bool law_reaches(const PriceLaw& law, double seconds);
 Field time_field(const TableRow& row, std::size_t target);
 /// The factor by which the time has to grow to halve the error of the final image, by the law.
 Field next_halving_field(const TableRow& row);
+/// The slope of the law; cannot be told where the law misses the points, or where they do not determine it.
+Field slope_field(const TableRow& row);
 /// The floor of the law, as a squared error.
 Field floor_field(const TableRow& row);
 /// The part of a resolved floor that is bias^2, with the interval of the final images' bias^2.

@@ -29,19 +29,23 @@ double waited(const Cell& cell) {
 
 double seconds_of_a_pass(const Cell& cell) { return (cell.last().seconds - cell.prepare_seconds) / cell.last().passes; }
 
-/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)". No image has less than no light, so that the interval
-/// begins at -100 % or above.
+/// A share in percent with its interval, as in "-0.40 % (-3.10 to +2.30)".
 std::string signed_percent(const Estimate& e) {
     return fmt::format("{:+.2f} %", 100 * e.value) +
-           (e.interval
-                ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * std::max(e.interval->lo, -1.0), 100 * e.interval->hi)
-                : "");
+           (e.interval ? fmt::format(" ({:+.2f} to {:+.2f})", 100 * e.interval->lo, 100 * e.interval->hi) : "");
+}
+
+/// Whether the images of a row are black where the reference is not.
+bool is_black(const TableRow& row) {
+    return row.footing && row.footing->energy.value == 0 && row.footing->excess.value < 0;
 }
 
 std::string component_text(const TableRow& row) {
     const Estimate& excess = row.footing->excess;
     return fmt::format("`{}` {}", name_of(row.layer),
-                       std::isfinite(excess.value) ? signed_percent(excess) : "is not finite");
+                       is_black(row)                 ? "is black"
+                       : std::isfinite(excess.value) ? signed_percent(excess)
+                                                     : "is not finite");
 }
 
 /// The two rows that differ most surely from each other, among
@@ -187,7 +191,9 @@ std::vector<Warning> footing_warnings(const Analysis& analysis) {
         if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
             !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
             groups[{row.scene, row.layer}].push_back(&row);
-        if (!row.has_verdict(FootingVerdict::differs)) continue;
+        // Black images need no interval, unless theory says that they have only missed the light so far.
+        const bool all_black = row.layer == Layer::total && is_black(row) && !row.is_unbiased;
+        if (!row.has_verdict(FootingVerdict::differs) && !all_black) continue;
         // Rows of one method are joined in one sentence.
         if (last && last->scene == row.scene && last->method == row.method)
             differing.back().sentence += ", " + component_text(row);

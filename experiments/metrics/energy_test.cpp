@@ -78,8 +78,9 @@ std::optional<EnergyTest> energy_test(const std::vector<Image>& images, const Sa
     const double least = rare / 2 + std::sqrt(sqr(rare / 2) + square);
     EnergyTest test;
     const double excess = footing.excess.value;
-    test.excess = {excess,
-                   Interval{excess - std::sqrt(square) / footing.unit, excess + (least + unmet) / footing.unit}};
+    test.excess = {
+        excess,
+        of_light({excess - std::sqrt(square) / footing.unit, excess + (least + unmet) / footing.unit}, footing)};
     test.is_rejected = missing > least && missing > unmet && missing >= footing_least * footing.unit;
     return test;
 }

@@ -76,12 +76,18 @@ std::string name_of(FootingVerdict verdict) {
 
 Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }
 
+Interval of_light(const Interval& excess, const Footing& footing) {
+    return {std::max(excess.lo, footing.excess.value - std::max(footing.energy.value, 0.0) / footing.unit), excess.hi};
+}
+
 std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
                                      const Image& total) {
     const SampleMean truth = reference_energy(reference);
     const double unit = std::max(truth.value, least_footing_share * mean_energy(total));
     if (!(unit > 0)) return std::nullopt;
-    return compared(mean_energies(replicates), truth, unit);
+    Footing footing = compared(mean_energies(replicates), truth, unit);
+    if (footing.excess.interval) footing.excess.interval = of_light(*footing.excess.interval, footing);
+    return footing;
 }
 
 }  // namespace gib

@@ -46,6 +46,10 @@ struct Footing {
     Footing against(const Footing& other) const;
 };
 
+/// The interval of a method's excess without what no image can have: less than no light. A mean below 0, as filters with negative
+/// lobes leave it, stays in.
+Interval of_light(const Interval& excess, const Footing& footing);
+
 /// Compares `replicates`, images of one component from independent seeds, with the same component `reference`;
 /// `total` is the reference's total image. A 99 % interval misses the truth in one of a hundred comparisons. A method
 /// whose energy is wrong by the tolerance or more passes as agreeing with a probability below 0.5 %. Empty if the

@@ -128,7 +128,9 @@ const std::vector<RowColumn>& row_columns() {
         {"seconds_to_1pct_state", "", "state of `seconds_to_1pct`, as of `seconds_to_10pct`", time_state<3>},
         {"seconds_to_0.5pct", "s", "time to a relative RMSE of 0.5 %", time_to<4>, 95},
         {"seconds_to_0.5pct_state", "", "state of `seconds_to_0.5pct`, as of `seconds_to_10pct`", time_state<4>},
-        {"noise_centroid", "cycles per pixel", "mean spatial frequency of the noise; white noise has 0.38",
+        {"noise_centroid", "cycles per pixel",
+         "mean spatial frequency of the noise; white noise has 0.38. "
+         "Left out: pixels without noise, and those at edges, across which the reference changes by more than 25 %",
          of<noise, &NoiseSpectrum::centroid>},
         {"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel",
          of<noise, &NoiseSpectrum::low_ratio>},

@@ -22,10 +22,6 @@ Field robust_field(RowRef row) {
     return std::isfinite(value) ? measured(value, unit) : Field{};
 }
 
-Field slope_field(RowRef row) {
-    return row.law ? measured(row.is_unbiased ? row.law->floorless_slope : row.law->slope) : Field{};
-}
-
 Field misfit_field(RowRef row) {
     return row.law ? measured(row.is_unbiased ? row.law->floorless_misfit : row.law->misfit, Unit::share) : Field{};
 }

@@ -269,6 +269,8 @@ FieldText text_of(const Field& field, const std::string& unit) {
             return {"below " + number(field.value), ""};
         case State::some_seeds:
             return {"not by all seeds", fmt::format("by {:.0f} of {}", field.value, field.seeds)};
+        case State::not_reached:
+            return {csv_state(field), field.reason};
         case State::never:
             return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
         case State::unbiased:
@@ -332,7 +334,9 @@ std::string error_kind(const TableRow& row) {
 std::string words_of(const Doubts& doubts) {
     std::string text;
     if (!doubts.ties.empty()) text = doubts.one_seed ? "one seed does not tell" : "tie with " + named(doubts.ties);
-    if (!doubts.open.empty()) text += (text.empty() ? "not run longer: " : "; not run longer: ") + named(doubts.open);
+    for (const auto& [words, methods] :
+         {std::pair("one seed does not tell: ", &doubts.lone), {"not run longer: ", &doubts.open}})
+        if (!methods->empty()) text += (text.empty() ? "" : "; ") + (words + named(*methods));
     return text;
 }
 

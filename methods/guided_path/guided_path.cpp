@@ -95,7 +95,7 @@ public:
     std::vector<std::pair<std::string, std::string>> facts() const override {
         return {{"cells", std::to_string(field_.leaf_count())},
                 {"quadtree_nodes", std::to_string(field_.node_count())},
-                {"guided", pays() ? "yes" : "no"}};
+                {"guided", pays() ? "yes" : "no (few paths come to concentrated light, so passes are path tracing)"}};
     }
 
 private:
@@ -155,7 +155,7 @@ private:
 MethodDescription describe_guided_path() {
     return {
         .name = "guided_path",
-        .sentence = "path tracing that learns where light comes from: unbiased, finds light behind doors and in glass",
+        .sentence = "path tracing that learns where light comes from: unbiased, finds light behind doors",
         .parameters = {number_parameter("memory", "64", "MiB", 1, 65536, "memory of the radiance field, at most"),
                        point_set_parameter()},
         .simulates = Effects::all(),

@@ -31,7 +31,9 @@ inline void add_importons(Plan& plan, Guiding guiding, std::string why_not) {
     plan.add(step_importons, guiding == Guiding::off ? "guide=off" : std::move(why_not));
 }
 /// The fact whether there is a policy.
-inline std::pair<std::string, std::string> guide_fact(bool is_guided) { return {"guided", is_guided ? "yes" : "no"}; }
+inline std::pair<std::string, std::string> guide_fact(bool is_guided) {
+    return {"guided", is_guided ? "yes" : "no (plain paths: most light is used, or guide=off)"};
+}
 
 /// How a method uses light.
 struct LightUse {

@@ -223,6 +223,12 @@ TEST(Ties, OneSeedTellsNone) {
     EXPECT_EQ(look.methods[1].beside, "one seed does not tell") << "at 4.5 times the error";
 }
 
+// The image of another renderer may be one: at 25 times the error it is no tie with the best.
+TEST(Ties, OneSeedOfARivalIsNoTie) {
+    const Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("one", 0.2, 1, 8, 0, 1)}));
+    EXPECT_EQ(scene_look(analysis, "box").methods.at(0).beside, "best, one seed does not tell: `one`");
+}
+
 TEST(BusyMachine, IsSeenByThreadsThatWait) {
     Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
     for (Cell& cell : analysis.cells)

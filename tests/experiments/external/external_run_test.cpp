@@ -79,6 +79,18 @@ TEST_F(ExternalRun, SeedsThatMakeOneImageCountAsOne) {
     EXPECT_THAT(read_file(results("table.md")), HasSubstr("all seeds of right spp=4 have the same image"));
 }
 
+// The command makes the same image in any time: no longer run of it would change its place.
+TEST_F(ExternalRun, AnImageThatCannotTakeLongerIsNotAskedToAndABlackOneIsCalledBlack) {
+    write_exr(path("black.exr"), one_layer(constant_image(0, 8, 8)));
+    write_methods("[[method]]\nname = 'fixed'\ncommand = 'true {scene}; cp " + path("black.exr") +
+                      " {out}'\n[[method]]\nname = 'path'\nspp = 1024\n",
+                  2);
+    ASSERT_THAT(run(), exits(0));
+    EXPECT_THAT(read_file(results("table.md")),
+                AllOf(HasSubstr("fixed differs from the reference in mean energy: `total` is black"),
+                      Not(ContainsRegex("not run longer[^|]*fixed")), Not(ContainsRegex("fixed[^|]*not run longer"))));
+}
+
 TEST_F(ExternalRun, EveryFailureIsReportedAsWhatItIs) {
     write_methods(toy("fails") + toy("crashes") + toy("hangs", "timeout = 0.5\n") +
                   toy("nan", "image_format = 'pfm'\n") + toy("small", "image_format = 'pfm'\n") + toy("nothing") +

@@ -83,6 +83,18 @@ TEST(EqualFooting, SaysWhenItCannotTell) {
     EXPECT_EQ(scene.check(NAN, 0.05, 3)->verdict, FootingVerdict::differs) << "not finite is not hidden";
 }
 
+// No image has less than no light, so that no interval begins below that.
+TEST(EqualFooting, FindsNoLessThanNoLight) {
+    Footed scene(5, 0.5, 5);
+    const Image black(32, 32);
+    const auto none = equal_footing({black, black, black}, scene.reference, scene.reference.mean);
+    EXPECT_EQ(none->excess.interval->lo, -1);
+    EXPECT_EQ(none->verdict, FootingVerdict::differs);
+    const auto little = scene.check(0.1, 2, 2);
+    ASSERT_GT(little->energy.value, 0);
+    EXPECT_GE(little->excess.interval->lo, -1 - 1e-12);
+}
+
 TEST(EqualFooting, MeasuresFaintComponentsAgainstTheWhole) {
     Footed faint(4, 1e-4, 1e-6), whole(4, 1.0);
     const std::vector<Image> images = noisy_images(faint.random, 3, 2e-4, 1e-6);

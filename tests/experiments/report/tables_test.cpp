@@ -98,6 +98,26 @@ TEST(Times, OnlyALawThatHoldsIsExtrapolated) {
     EXPECT_EQ(in_csv("seconds_to_1pct_lo"), "");
 }
 
+TEST(Times, ASlopeThatThePointsDoNotDetermineIsNotPrinted) {
+    TableRow r = law_row();
+    EXPECT_EQ(slope_field(r).state, State::measured);
+    r.law->misfit = 0.6;
+    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "the law misses a point by 60 %";
+    r.law->misfit = 0;
+    r.law->slope = {4, {}};
+    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "five seeds, and no interval";
+}
+
+// A better method may have no time where a worse one has one: its field says why.
+TEST(Times, NotReachedSaysWhy) {
+    TableRow r = law_row();
+    r.law->misfit = 0.6;
+    const Field time = time_field(r, 3);
+    EXPECT_EQ(time.state, State::not_reached);
+    EXPECT_THAT(line_of(time), HasSubstr("not reached (the law misses points)"));
+    EXPECT_EQ(csv_state(time), "not reached") << "the state of table.csv is one of a list";
+}
+
 TEST(Csv, RoundTripKeepsCommasQuotesAndLineBreaks) {
     CsvTable table{{"a", "b,c"}, {}};
     table.add({"x\"y", "line\nbreak"});
