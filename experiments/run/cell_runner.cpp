@@ -107,13 +107,13 @@ Measurement CellRunner::render(const WorkCell& cell, const std::string& work_fol
         };
     };
     if (cell.external) {
-        CellResult result = run_external_cell(
+        Measurement result = run_external_cell(
             command_cell(*cell.external), {.scene_file = scene.entry.path,
                                            .seed = identity.seed,
                                            .spp = std::min(identity.spp, identity.budget.passes.value_or(identity.spp)),
                                            .seconds = identity.budget.seconds});
         // More time would not change its image.
-        result.measurement.converged = !cell.external->takes("spp") && !cell.external->takes("seconds");
+        result.converged = !cell.external->takes("spp") && !cell.external->takes("seconds");
         return result;
     }
     const auto reads = [&](const char* layer) { return cell.filter && cell.filter->takes(layer); };

@@ -4,6 +4,7 @@
 
 #include "experiments/analysis/row_fields.h"
 #include "experiments/report/report.h"
+#include "experiments/report/words.h"
 #include "tests/support/analysis_fixtures.h"
 #include "tests/support/csv_reader.h"
 #include "tests/support/matchers.h"
