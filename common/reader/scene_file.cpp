@@ -11,6 +11,7 @@
 #include "common/reader/scene_ms3d.h"
 #include "common/reader/scene_sensor.h"
 #include "common/reader/scene_shape.h"
+#include "common/reader/view_hash.h"
 #include "common/scene/coincident_shapes.h"
 #include "common/xml/scene_spectrum.h"
 
@@ -400,36 +401,6 @@ void read_unused(const std::vector<NestedObject>& objects, const XmlIds& ids, Lo
                                                    object.element->tag, error.what()));
         }
     }
-}
-
-/// Adds what is seen of an element (LoadedScene::view_hash).
-void add_view(const XmlElement& element, ContentHash& view) {
-    const bool is_film = element.tag == "film";
-    view.add("<" + element.tag);
-    for (const XmlAttribute& attribute : element.attributes) {
-        if (is_film) continue;
-        const bool is_path = element.tag == "spectrum" && attribute.name == "filename";
-        view.add(attribute.name);
-        view.add(is_path ? read_file(attribute.value) : attribute.value);
-    }
-    for (const XmlElement& child : element.children) {
-        const bool is_seen = is_film ? child.tag == "rfilter" || child.tag == "ref"
-                                     : child.tag != "sampler" && child.tag != "integrator";
-        if (is_seen) add_view(child, view);
-    }
-    view.add(">");
-}
-
-/// LoadedScene::view_hash; `files`: the hash of the meshes and textures.
-std::string view_hash_of(const XmlElement& root, const ContentHash& files, const ParsedSensor& sensor,
-                         const ParsedIntegrator& integrator) {
-    ContentHash view;
-    view.add(fmt::format("view 1, max_depth {}, hide_emitters {}", integrator.max_edges, integrator.hides_emitters));
-    // Rounded, because the window's pixels are scaled with the resolution.
-    if (sensor.window) view.add(fmt::format("crop {:.6g}", fmt::join(*sensor.window, " ")));
-    add_view(root, view);
-    view.add(files);
-    return view.hex();
 }
 
 /// Reads a scene, and collects its unknown parameters. Throws InputError for these once all elements have been read, and for

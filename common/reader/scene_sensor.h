@@ -5,6 +5,8 @@
 #include "common/scene/sensor.h"
 #include "common/xml/xml_properties.h"
 
+#include <array>
+
 namespace gib {
 
 inline constexpr double most_image_pixels = 1e9;  ///< of any image that is rendered

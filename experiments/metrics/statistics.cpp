@@ -326,7 +326,7 @@ Estimate bias2_of(const Moments& of, double value) {
 /// (Srivastava 2005, "Some tests concerning the covariance matrix in high dimensional data"), with (n - 2)(n + 1) / 2 degrees of
 /// freedom. If all pixels move together, T is V^2 (n - 1) / (n + 1) for any seeds, and V itself has n - 1 degrees of freedom;
 /// `share` is T relative to that, between 0 and 1. With that share the whole image also counts as one pixel whose largest value
-/// may be unseen (unseen_terms). In simulations with 3 to 8 seeds, 95 % intervals cover 94 % or more for 1 to 3000 independent
+/// may be unseen (unseen_terms). In simulations with 3 to 8 seeds, 95 % intervals cover 93 % or more for 1 to 3000 independent
 /// pixels of normal, uniform, two-valued, t (3, 5 degrees), lognormal and Poisson noise, and 92 % of one exponential value.
 Estimate variance_of(const Moments& of) {
     const Table& seeds = of.seeds;

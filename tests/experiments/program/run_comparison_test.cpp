@@ -183,6 +183,7 @@ TEST(CompareRuns, BiasAgainstADeclarationIsSaid) {
     total.contradicted_in = {Layer::indirect};
     indirect.layer = Layer::indirect;
     indirect.footing.emplace();
+    indirect.footing->energy.value = 0.97;
     indirect.footing->excess = {-0.03, Interval{-0.035, -0.025}};
     after.rows.push_back(indirect);
     const RunComparison comparison = compare_runs(before, after);
