@@ -18,6 +18,8 @@
 #include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/transport/trace_path.h"
 
+#include <fmt/format.h>
+
 namespace gib {
 
 namespace {
@@ -64,7 +66,8 @@ public:
     ComponentImages image() const override { return film_.mean(passes_); }
     RunCounts counts() const override { return {0, rays_, film_.non_finite()}; }
     std::vector<std::pair<std::string, std::string>> facts() const override {
-        return {{"chains", std::to_string(counts_.chains)},
+        return {{"samples", chains_ ? fmt::format("{:.2g}", chains_->samples()) : "0"},
+                {"chains", std::to_string(counts_.chains)},
                 {"trials", std::to_string(counts_.trials)},
                 {"lost", std::to_string(counts_.lost)}};
     }

@@ -1,6 +1,7 @@
 #include "methods/parts/manifold/chain_light.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace gib {
 
@@ -53,30 +54,41 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
         for (std::uint32_t i = groups.begin[group]; i < groups.begin[group + 1]; ++i)
             add(i, n);
     }
+    const double all = static_cast<double>(kinds_per_light()) * static_cast<double>(scene.lights().size());
+    if (surfaces_.empty() || all > static_cast<double>(most_kinds)) return;
     const auto transmits = [&](const Surface& s) { return scene.material_of_shape(s.shape).traits().transmission; };
     const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
-    const double events = std::exp2(longest + 1), all = events * static_cast<double>(surfaces_.size()) *
-                                                        static_cast<double>(scene.lights().size());
-    if (surfaces_.empty() || all > static_cast<double>(most_kinds)) return;
-    std::vector<double> weights;
-    for (std::uint32_t light = 0; light < scene.lights().size(); ++light) {
-        if (is_environment(scene.lights()[light]) || !(power_of(scene.lights()[light]).maxCoeff() > 0)) continue;
-        for (std::uint32_t s = 0; s < surfaces_.size(); ++s)
-            for (int length = 1; length <= longest; ++length)
-                for (std::uint32_t bits = 0; bits < 1u << length; ++bits) {
-                    if ((bits != 0 && !any_transmits) || ((bits & 1) != 0 && !transmits(surfaces_[s]))) continue;
-                    kinds_.push_back({light, s, {length, bits}});
-                    weights.push_back(std::exp2(-length));
-                }
+    guess_.resize(static_cast<std::size_t>(all));
+    for (std::size_t k = 0; k < guess_.size(); ++k) {
+        const Kind kind = kind_of(k);
+        const Light& light = scene.lights()[kind.light];
+        const std::uint32_t bits = kind.events.transmits;
+        const bool is_possible = kind.events.length > 0 && !is_environment(light) && power_of(light).maxCoeff() > 0 &&
+                                 (bits == 0 || any_transmits) && ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
+        guess_[k] = is_possible ? std::exp2(-kind.events.length) : 0.;
     }
-    if (!kinds_.empty()) weigh(weights);
+    weigh(1, guess_);
 }
 
-void ChainSampler::weigh(const std::vector<double>& weights) {
+/// The events of length l with the bits b have the number 2^l + b among those of a surface.
+std::size_t ChainSampler::number_of(const Kind& kind) const {
+    return kind.light * kinds_per_light() + kind.surface * kinds_per_surface() +
+           ((std::size_t{1} << kind.events.length) | kind.events.transmits);
+}
+
+ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
+    const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
+    const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
+    return {light_of(number), number / kinds_per_surface() % surfaces_.size(),
+            {length, events & ((1u << length) - 1)}};
+}
+
+void ChainSampler::weigh(double samples, const std::vector<double>& weights) {
+    samples_ = samples;
     choice_ = DiscreteDistribution(weights);
     std::fill(is_made_.begin(), is_made_.end(), false);
-    for (std::size_t k = 0; k < kinds_.size(); ++k)
-        if (weights[k] > 0) is_made_[kinds_[k].light] = true;
+    for (std::size_t k = 0; k < weights.size(); ++k)
+        if (weights[k] > 0) is_made_[light_of(k)] = true;
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -105,11 +117,37 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
                        .target = shadow_ray_target(y, chain.last->p)};
 }
 
+/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path; for delta
+/// lights those over lights.
+ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
+                                                const ChainEnd& end, const LightSample& light,
+                                                std::size_t kind) const {
+    const double q = samples_ * double{choice_.probability(kind)};
+    const Vec3 wi_local = start.hit.shading.to_local(chain.w);
+    return {q * double{light.pdf_w} * determinant_of(chain, end),
+            light.delta ? 0. : double{start.hit.bsdf->pdf_w_local(wo_local, wi_local) * chain.probability}};
+}
+
+bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
+                         const ChainEvents& events, const SurfaceHit& y) const {
+    if (!is_made_[y.light] || events.length < 1 || events.length > longest_) return false;
+    const auto chain = trace_chain(rays, start, w, events);
+    if (!chain) return false;
+    const auto light = light_at(*chain, y.light, y);
+    const auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
+        return s.shape == chain->shape && s.instance == chain->instance;
+    });
+    if (!light || surface == surfaces_.end()) return false;
+    const std::size_t kind = number_of({y.light, static_cast<std::size_t>(surface - surfaces_.begin()), events});
+    const Densities by = densities(start, wo_local, *chain, {y.p, false}, *light, kind);
+    return by.chains > by.hits;
+}
+
 std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
                                                          int longest, ChainCounts& counts) const {
     NumberStream& u = walk.flights;
     const auto choice = choice_.sample(u.next());
-    const Kind& kind = kinds_[choice.index];
+    const Kind kind = kind_of(choice.index);
     const Surface& surface = surfaces_[kind.surface];
     if (kind.events.length > longest) return std::nullopt;
     ChainStart start{hit, walk.at.medium, walk.at.stratum};
@@ -137,8 +175,10 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
     const auto light = light_at(*chain, kind.light, y);
     LobeValues f = scattered(hit, wo_local, chain->w);
     if (!light || is_black(light->Le) || is_black(f.sum())) return std::nullopt;
+    const Densities by = densities(start, wo_local, *chain, end, *light, choice.index);
+    if (!(by.chains > by.hits)) return std::nullopt;
 
-    Color arriving = light->Le / (light->pdf_w * static_cast<float>(chain->det_m));
+    Color arriving = light->Le / static_cast<float>(by.chains);
     if (scene_.has_media()) {
         const auto whole = trace_chain(walk.rays, start, chain->w, kind.events, &u);
         if (!whole) return std::nullopt;
@@ -160,13 +200,10 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
         counts.lost.fetch_add(1, std::memory_order_relaxed);
         arriving *= std::numeric_limits<float>::quiet_NaN();
     }
-    const float weight = static_cast<float>(trials) / choice.probability;
-    f.diffuse *= arriving * weight;
-    f.specular *= arriving * weight;
-    // The density with which samples of the bsdf take this way, times the weight of this sample.
-    const float pdf_w = hit.bsdf->pdf_w_local(wo_local, hit.shading.to_local(chain->w)) * chain->probability;
-    return Sample{f, choice.index, choice.probability,
-                  pdf_w * weight / (light->pdf_w * static_cast<float>(chain->det_m))};
+    f.diffuse *= arriving * static_cast<float>(trials);
+    f.specular *= arriving * static_cast<float>(trials);
+    return Sample{f, choice.index, static_cast<float>(samples_) * choice.probability,
+                  static_cast<float>(by.hits / by.chains * static_cast<double>(trials))};
 }
 
 }  // namespace gib

@@ -8,7 +8,12 @@
 // until one does; their number n has the mean 1 / p (Zeltner 2020, section 4.3, equation 11), and
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
 // is an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a sample of y would
-// bring to x_k: Le cos_y / (pdf_a r^2). The number n has no bound but `most_trials`, where the sample counts as lost and is not
+// bring to x_k: Le cos_y / (pdf_a r^2).
+//
+// Samples of the bsdf hit lamps too. Their density over directions at x is pdf_w(w) P, with the probability P of the chain's lobes;
+// that of chains is q pdf_w(y) |det M| / n. The larger of the two, with 1 for n, makes the path (Veach 1997, section 9.2.3, the maximum heuristic):
+// it depends on the path alone, so that each path is made once. Without it the light of a chain near a focus, where det M is 0, had
+// no bound. The number n has no bound but `most_trials`, where the sample counts as lost and is not
 // finite, so that it is dropped and told.
 
 #include "methods/parts/manifold/specular_chain.h"
@@ -32,47 +37,63 @@ public:
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
-    struct Kind {
-        std::uint32_t light;    ///< index among the scene's lights
-        std::uint32_t surface;  ///< index among the surfaces that make chains
-        ChainEvents events;
-    };
     /// All kinds of chains of at most `longest` vertices are equally likely at each length. The scene must outlive this.
     ChainSampler(const Scene& scene, int longest);
 
-    bool empty() const { return kinds_.empty(); }
-    const std::vector<Kind>& kinds() const { return kinds_; }
-    int longest() const { return longest_; }
-    /// Sets the probabilities of kinds, in proportion to `weights`. Lights without any weight are left to other samples.
-    void weigh(const std::vector<double>& weights);
-    /// Whether this makes the chains of this length that end on the light.
-    bool makes(std::uint32_t light, int length) const {
-        return length >= 1 && length <= longest_ && is_made_[light];
-    }
+    /// Kinds are numbered from 0. Those that no chain has are never drawn.
+    std::size_t kinds() const { return guess_.size(); }
+    std::uint32_t light_of(std::size_t kind) const { return static_cast<std::uint32_t>(kind / kinds_per_light()); }
+    /// The probabilities of kinds at the start, up to a factor.
+    const std::vector<double>& guess() const { return guess_; }
+    /// Sets the mean number of samples at a point, and the probabilities of kinds in proportion to `weights`. Lights without
+    /// any weight are left to other samples.
+    void weigh(double samples, const std::vector<double>& weights);
+    double samples() const { return samples_; }
+    /// Whether any kind can be drawn.
+    bool empty() const { return !(choice_.size() > 0 && choice_.total() > 0); }
 
     struct Sample {
         LobeValues light;   ///< radiance [W/(sr m^2)] that the hit scatters
         std::size_t kind;
-        float q;            ///< probability of the kind
-        float hit_moment;   ///< estimate of the mean of light^2 where the bsdf's samples hit the light: light^2 / hit_moment
+        float q;            ///< mean number of samples of the kind at a point
+        float hit_moment;   ///< light^2 / hit_moment has the mean that light^2 has if samples of the bsdf hit the light
     };
-    /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices. Empty if it
-    /// found none.
+    /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices that this
+    /// makes, divided by samples(). Empty if it found none.
     std::optional<Sample> sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
                                  ChainCounts& counts) const;
+
+    /// Whether this makes the chain from the start, which scatters light from w to wo, to the emitter at y.
+    bool makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
+               const ChainEvents& events, const SurfaceHit& y) const;
 
 private:
     struct Surface {
         std::uint32_t shape, instance;
     };
+    struct Kind {
+        std::uint32_t light;
+        std::size_t surface;
+        ChainEvents events;
+    };
+    std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
+    std::size_t kinds_per_light() const { return surfaces_.size() * kinds_per_surface(); }
+    std::size_t number_of(const Kind& kind) const;
+    Kind kind_of(std::size_t number) const;
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;
+    struct Densities {
+        double chains, hits;
+    };
+    Densities densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain, const ChainEnd& end,
+                        const LightSample& light, std::size_t kind) const;
 
     const Scene& scene_;
     int longest_;
     std::vector<Surface> surfaces_;
     std::vector<std::optional<AreaSampler>> area_;  ///< by shape
-    std::vector<Kind> kinds_;
+    std::vector<double> guess_;
+    double samples_ = 1;
     DiscreteDistribution choice_;
     std::vector<bool> is_made_;  ///< by light
 };

@@ -165,9 +165,12 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
         if (is_near || (!is_nearer && at.mismatch < converged)) break;
         is_near = at.mismatch < converged;
     }
-    chain->det_m = std::abs(at.m.determinant());
     chain->error = at.step.norm();
-    return at.mismatch < converged && std::isfinite(chain->error) && chain->det_m > 0 ? chain : std::nullopt;
+    return at.mismatch < converged && std::isfinite(chain->error) ? chain : std::nullopt;
+}
+
+double determinant_of(const Chain& chain, const ChainEnd& end) {
+    return std::abs(constraint_of(chain, end).m.determinant());
 }
 
 }  // namespace gib

@@ -61,7 +61,6 @@ struct Chain {
     Vec3d p = Vec3d::Zero();         ///< the last vertex so far
     Differential dp = Differential::Zero(), dd = Differential::Zero();  ///< derivatives of p and d by the coordinates of w
 
-    double det_m = 0;  ///< |det M|; set by find_chain()
     double error = 0;  ///< length of the next step of Newton's method, about the error of w; set by find_chain()
 };
 
@@ -73,5 +72,8 @@ std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const
 /// The chain that Newton's method finds from the direction w. Empty if it does not converge.
 std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
                                 const ChainEnd& end);
+
+/// |det M| of a chain that ends there.
+double determinant_of(const Chain& chain, const ChainEnd& end);
 
 }  // namespace gib

@@ -9,7 +9,7 @@ namespace gib {
 /// Paths that no specular chains are sampled for: light that comes through mirrors or glass is found by hitting it.
 struct NoChains {
     /// Whether other samples make the path that ends on the emitter at `hit`.
-    static constexpr bool leaves_out(const std::optional<SurfaceHit>& /*hit*/) { return false; }
+    static constexpr bool leaves_out(PathWalk&, const std::optional<SurfaceHit>& /*hit*/) { return false; }
     /// Calls add(kind of lobe, radiance) for light that reaches the hit through specular vertices and is scattered to wo.
     template <typename Add>
     void add_light_of_chains(PathWalk&, const SurfaceHit&, const Vec3& /*wo_local*/, int /*edges_left*/, Add&&) {}
@@ -68,7 +68,7 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
             continue;
         }
         auto hit = walk.surface_hit();
-        if ((!hit || hit->emitter) && !directions.leaves_out(hit)) add(path.path_class, walk.emitted(hit));
+        if ((!hit || hit->emitter) && !directions.leaves_out(walk, hit)) add(path.path_class, walk.emitted(hit));
         if (!hit) break;
         if (walk.passes_through(*hit)) continue;
         if (is_last) break;
