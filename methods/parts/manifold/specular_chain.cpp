@@ -13,25 +13,24 @@ constexpr double smallest_damping = 1. / 64;
 /// No step turns the direction at x by more [rad].
 constexpr double longest_step = 0.5;
 
-/// M, c and |d - o| of the chain.
 struct Constraint {
     Eigen::Matrix2d m;
     Vec2d step;       ///< M^-1 c
     double mismatch;  ///< |d - o|
 };
 
+/// d - o lies in the plane across d + o, whose basis is B; so a small step along -M^-1 c makes it shorter.
 Constraint constraint_of(const Chain& chain, const ChainEnd& end) {
-    const Vec3d way = end.p.cast<double>() - chain.p;
+    const Vec3d d = chain.d.cast<double>(), way = end.p.cast<double>() - chain.p;
     const double r = end.at_infinity ? std::numeric_limits<double>::infinity() : way.norm();
     const Vec3d o = end.at_infinity ? Vec3d(end.p.cast<double>()) : Vec3d(way / r);
-    const Frame frame(o.cast<float>());
+    const Frame frame(Vec3((d + o).normalized().cast<float>()));
     Chain::Differential basis;
     basis << frame.s.cast<double>(), frame.t.cast<double>();
     Constraint c;
-    c.m = basis.transpose() * (chain.dd + chain.dp / r);
-    const Vec3d miss = chain.d.cast<double>() - o;
-    c.step = c.m.inverse() * (basis.transpose() * miss);
-    c.mismatch = miss.norm();
+    c.m = basis.transpose() * (chain.dd + (chain.dp - o * (o.transpose() * chain.dp)) / r);
+    c.step = c.m.inverse() * (basis.transpose() * (d - o));
+    c.mismatch = (d - o).norm();
     return c;
 }
 
@@ -152,8 +151,9 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
         const Frame frame(chain->w);
         const Vec3 turned = frame.to_world(Vec3(static_cast<float>(-step.x()), static_cast<float>(-step.y()), 1.f));
         auto next = trace_chain(rays, from, turned.normalized(), events);
-        Constraint there;
+        Constraint there = at;
         if (next) there = constraint_of(*next, end);
+if (getenv("DBG")) fprintf(stderr, "it %d mis %g step %g %g next %d there %g damp %g\n", i, at.mismatch, at.step.x(), at.step.y(), int(bool(next)), next?there.mismatch:-1., damping);
         const bool is_nearer = next && there.mismatch < at.mismatch;
         if (is_nearer) {
             chain = std::move(next);

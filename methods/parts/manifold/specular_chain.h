@@ -7,10 +7,10 @@
 // lobes that it meets give x_1 ... x_k, so that the constraints at x_1 ... x_{k-1} hold exactly. Left is the constraint of the last
 // vertex, the difference of directions
 //     c(w) = B^T (d - o),    o = (y - x_k) / |y - x_k|, or the direction towards a light at infinity,
-// where d is the direction in which the ray leaves x_k, and the columns of B span the plane across o. The ray carries its
+// where d is the direction in which the ray leaves x_k, and the columns of B span the plane across d + o. The ray carries its
 // derivatives by the two coordinates of w (Igehy 1999, "Tracing Ray Differentials"), which is the forward elimination of the
 // block-tridiagonal system of Jakob and Marschner (section 4). A step of Newton's method and the light that arrives read
-//     M = dc/dw = B^T (dd/dw + dp/dw / |y - x_k|),    w <- w - M^-1 c,
+//     M = dc/dw = B^T (dd/dw + (I - o o^T) dp/dw / |y - x_k|),    w <- w - M^-1 c,
 //     dw/dA_y = 1 / (|y - x_k|^2 |det M|),            dw/do = 1 / |det M|,
 // with dA_y across the ray. dw/dA_y is the generalised geometric term of Jakob and Marschner, equation 10, without the cosine at x.
 
