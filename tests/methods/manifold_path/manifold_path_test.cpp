@@ -27,7 +27,7 @@ void expect_caustic(const std::string& body, double x, double z, const std::stri
         shape("rectangle", to_world(scale(10), rotate('x', -90)), diffuse(reflectance)) + body));
     Moments moments;
     for (std::uint64_t seed = 1; seed <= 16; ++seed)
-        moments.add(mean_of(*render(scene, label + " max_depth=0", 256, seed)[Component::caustic])[0]);
+        moments.add(mean_of(*render(scene, label + " max_depth=0", 1024, seed)[Component::caustic])[0]);
     SCOPED_TRACE(fmt::format("at x = {}", x));
     EXPECT_NEAR(moments.mean(), expected, 0.005 * expected);
     EXPECT_LE(std::abs(moments.mean() - expected), 4 * moments.standard_error() + 1e-5 * expected);
@@ -41,18 +41,21 @@ double fresnel(double sine) {
     return 0.5 * (s * s + p * p);
 }
 
-/// Radiance of the floor by a point of intensity 1 whose rays reach the distance r(sine) from its foot with the share T(sine).
-/// The power in the cone dw = sin theta dtheta dphi falls on the area r dr dphi.
+/// Radiance of the floor by a point of intensity 1 whose rays reach the signed distance r(sine) from its foot with the share
+/// T(sine), for sines of their angle up to `most`. The power in the cone sin theta dtheta dphi falls on the area r dr dphi; all cones that come to r count.
 template <typename Distance, typename Share>
-double radiance_at(double r, Distance distance, Share share) {
-    double low = 0, high = 1 - 1e-9;
-    for (int i = 0; i < 200; ++i) {
-        const double middle = 0.5 * (low + high);
-        (distance(middle) < r ? low : high) = middle;
+double radiance_at(double r, Distance distance, Share share, double most = 1) {
+    constexpr int steps = 200000;
+    const auto sine_at = [&](int i) { return most * (i + 0.5) / (steps + 1); };
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) {
+        const double sine = sine_at(i), next = sine_at(i + 1), here = distance(sine), there = distance(next);
+        if ((std::abs(here) < r) == (std::abs(there) < r)) continue;
+        const double at = sine + (next - sine) * (r - std::abs(here)) / (std::abs(there) - std::abs(here));
+        const double dr = std::abs(there - here) / (next - sine) * std::sqrt(1 - at * at);  // by theta
+        sum += share(at) * at / (r * dr);
     }
-    const double sine = 0.5 * (low + high), h = 1e-5, cosine = std::sqrt(1 - sine * sine);
-    const double dr = (distance(sine + h) - distance(sine - h)) / (2 * h) * cosine;  // by theta
-    return reflectance * std::numbers::inv_pi * share(sine) * sine / (r * dr);
+    return reflectance * std::numbers::inv_pi * sum;
 }
 
 double tangent(double sine) { return sine / std::sqrt(1 - sine * sine); }
@@ -97,21 +100,22 @@ TEST(ManifoldPath, PointInAMirrorHasItsClosedForm) {
     }
 }
 
-// A point on the axis of a ball: rays of the angle t to the axis hit the ball at the angle a with its normal, turn by
-// 2 (a - b), sin a = n sin b, and meet the axis again behind the floor.
+// A point on the axis of a ball of radius 1: a ray of the angle t to the axis meets the ball at the angle a with its normal, turns to
+// b, sin a = n sin b, and after the chord of length 2 cos b turns on by as much.
 TEST(ManifoldPath, PointThroughABallHasItsClosedForm) {
-    const double up = 4, down = 1.6, n = index_of_glass;  // of the centre of the ball, of radius 1
+    constexpr double up = 4, down = 1.6, n = index_of_glass;  // from the centre of the ball
     const std::string body = shape("sphere", center(0, down, 0), glass()) + point_light(0, down + up, 0, 1);
-    const auto sine_at_ball = [=](double sine) { return up * sine; };
-    const auto distance = [=](double sine) {
-        const double a = std::asin(std::min(sine_at_ball(sine), 1.)), b = std::asin(std::sin(a) / n), t = std::asin(sine);
-        // Measured at the centre, from the axis below, the ray leaves at 2 b + t - a ... and goes on at 2 (a - b) - t inwards.
-        const double place = std::numbers::pi - (a - t) - (std::numbers::pi - 2 * b), inwards = 2 * (a - b) - t;
-        return std::abs(std::sin(place) - (down - std::cos(place)) * std::tan(inwards));
+    const auto distance = [](double sine) {
+        const double t = std::asin(sine), a = std::asin(up * sine), b = std::asin(up * sine / n);
+        const double inside = b - (a - t), behind = t - 2 * (a - b);  // angles to the axis
+        const double x = std::sin(a - t) + 2 * std::cos(b) * std::sin(inside);
+        const double y = std::cos(a - t) - 2 * std::cos(b) * std::cos(inside);
+        return x + (y + down) * std::tan(behind);
     };
-    const auto share = [=](double sine) { return std::pow(1 - fresnel(sine_at_ball(sine)), 2); };
+    const auto share = [](double sine) { return std::pow(1 - fresnel(up * sine), 2); };
     for (const double r : {0.02, 0.05, 0.09})
-        expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2", radiance_at(r, distance, share));
+        expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2",
+                       radiance_at(r, distance, share, 1 / up));
 }
 
 // The caustic of small lamps is too rare for `path`. Means are compared as same_means.h says: chance fails one of 20,000.
