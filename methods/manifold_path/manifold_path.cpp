@@ -112,6 +112,7 @@ public:
         add_eye_paths(plan, scene, settings_.max_edges);
         add_light_sampling(plan, settings_.max_edges);
         plan.add(step_chains, without_chains(scene, plan, settings_));
+        if (!plan.runs(step_chains)) plan.same_as = "path";
         Plan of_path = plan;
         leave_out_of_camera_paths(of_path, scene);
         if (!plan.runs(step_chains) || !makes_all_chains(scene)) return of_path;
