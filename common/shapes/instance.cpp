@@ -65,8 +65,8 @@ Eigen::Matrix3d normal_derivative(const Instance& instance, const Shape& shape, 
     const Vec3d n = in_scene.ns.cast<double>();
     const Vec3d in_group = (instance.linear.transpose() * n).normalized();
     const double length = (instance.inverse.transpose() * in_group).norm();
-    const Eigen::Matrix3d change = instance.inverse.transpose() *
-                                   normal_derivative(shape, primitive, in_scene) * instance.inverse / length;
+    const Eigen::Matrix3d change =
+        instance.inverse.transpose() * normal_derivative(shape, primitive, in_scene) * instance.inverse / length;
     return change - n * (n.transpose() * change);
 }
 

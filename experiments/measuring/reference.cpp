@@ -488,7 +488,8 @@ std::vector<const MethodDescription*> methods_for(const LoadedScene& scene, cons
     auto methods = reference_methods(label);
     std::erase_if(methods, [&](const MethodDescription* method) {
         const ConfiguredMethod configured({method->name, label.values});
-        return label.name == auto_reference && !configured.create({scene.max_edges})->plan(*scene.scene).same_as.empty();
+        return label.name == auto_reference &&
+               !configured.create({scene.max_edges})->plan(*scene.scene).same_as.empty();
     });
     return methods;
 }

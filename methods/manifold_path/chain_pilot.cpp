@@ -117,6 +117,7 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
         hits[chains.light_of(k)] += all.hits[k];
     }
     const auto best_samples = [&](double S) {
+        if (!(S > 0)) return 1.;
         return std::clamp(std::sqrt(S / (std::max(all.rest, 1e-6 * S) * cost)), fewest_samples, most_samples);
     };
     const bool has_delta = std::any_of(lights.begin(), lights.end(), is_delta);
@@ -124,8 +125,8 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     double roots = 0;
     for (std::size_t l = 0; l < lights.size(); ++l) {
         const double S = sqr(root[l]), s = best_samples(S);
-        is_made[l] = is_delta(lights[l]) ||
-                     (S > 0 && (all.rest + S / s) * (has_delta ? 1 : 1 + s * cost) < all.rest + hits[l]);
+        is_made[l] =
+            is_delta(lights[l]) || (S > 0 && (all.rest + S / s) * (has_delta ? 1 : 1 + s * cost) < all.rest + hits[l]);
         if (is_made[l]) roots += root[l];
     }
     double guesses = 0;
@@ -137,7 +138,6 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
         const double known = roots > 0 ? std::sqrt(all.chains[k]) / roots : 0.;
         weights[k] = (1 - guessed_share) * known + guessed_share * chains.guess()[k] / guesses;
     }
-    if (getenv("DBG")) { fprintf(stderr, "rest %g cost %g roots2 %g samples %g\n", all.rest, cost, roots*roots, best_samples(sqr(roots))); for (std::size_t l=0;l<lights.size();++l) fprintf(stderr,"light %zu S %g hits %g made %d\n", l, root[l]*root[l], hits[l], int(is_made[l])); for (std::size_t k=0;k<chains.kinds();++k) if (all.chains[k]>0) fprintf(stderr,"  kind %zu root %g hits %g\n", k%32, std::sqrt(all.chains[k]), all.hits[k]); }
     chains.weigh(best_samples(sqr(roots)), weights);
     return all.rays;
 }

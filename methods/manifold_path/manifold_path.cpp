@@ -24,7 +24,7 @@ namespace gib {
 
 namespace {
 
-constexpr std::string_view step_chains = "specular chains";
+constexpr std::string_view step_chains = "specular chains", step_longer_chains = "longer chains";
 
 struct Settings {
     PointSet points;
@@ -52,14 +52,13 @@ public:
     Progress advance(std::uint32_t pass) override {
         passes_ = pass + 1;
         if (!runs_) return Progress::converged;
-        rays_ += sample_pixels(
-            scene_, film_, settings_.points, seed_, pass, stages_, step_eye_paths, [this] {
-                return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-                    if (!chains_) return trace_path(rays, eye, sampler, {settings_.max_edges, light_sampling_});
-                    ChainDirections directions(*chains_, counts_, [](const auto&...) {});
-                    return trace_path_in(directions, rays, eye, sampler, settings_.max_edges, light_sampling_);
-                };
-            });
+        rays_ += sample_pixels(scene_, film_, settings_.points, seed_, pass, stages_, step_eye_paths, [this] {
+            return [this](RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+                if (!chains_) return trace_path(rays, eye, sampler, {settings_.max_edges, light_sampling_});
+                ChainDirections directions(*chains_, counts_, [](const auto&...) {});
+                return trace_path_in(directions, rays, eye, sampler, settings_.max_edges, light_sampling_);
+            };
+        });
         return Progress::more;
     }
 
@@ -97,10 +96,24 @@ std::string without_chains(const Scene& scene, const Plan& plan, const Settings&
 }
 
 /// Whether chains reach all delta lobes that delta lights may be seen through.
-bool makes_all_chains(const Scene& scene) {
-    return std::all_of(scene.materials().begin(), scene.materials().end(), [](const Material& material) {
-        return !material.traits().delta || makes_chains(material);
-    });
+bool makes_all_materials(const Scene& scene) {
+    return std::all_of(scene.materials().begin(), scene.materials().end(),
+                       [](const Material& material) { return !material.traits().delta || makes_chains(material); });
+}
+
+/// Whether light may be reflected again and again without loss: by two mirrors, or by one that is neither flat nor a sphere.
+bool has_facing_mirrors(const Scene& scene) {
+    int mirrors = scene.instances().empty() ? 0 : 1;
+    for (std::size_t i = 0; i < scene.shapes().size(); ++i) {
+        const LobeTraits& lobes = scene.material_of_shape(i).traits();
+        if (!lobes.delta || lobes.transmission || lobes.diffuse) continue;
+        const auto* mesh = std::get_if<Mesh>(&scene.shapes()[i]);
+        const auto* sphere = std::get_if<Sphere>(&scene.shapes()[i]);
+        const bool may_face_itself = (mesh && mesh->triangles.size() > 2) || (sphere && sphere->flip_normals) ||
+                                     std::holds_alternative<Cylinder>(scene.shapes()[i]);
+        mirrors += may_face_itself ? 2 : 1;
+    }
+    return mirrors > 1;
 }
 
 class ManifoldPath final : public Method {
@@ -112,10 +125,24 @@ public:
         add_eye_paths(plan, scene, settings_.max_edges);
         add_light_sampling(plan, settings_.max_edges);
         plan.add(step_chains, without_chains(scene, plan, settings_));
-        if (!plan.runs(step_chains)) plan.same_as = "path";
-        Plan of_path = plan;
-        leave_out_of_camera_paths(of_path, scene);
-        if (!plan.runs(step_chains) || !makes_all_chains(scene)) return of_path;
+        const bool runs = plan.runs(step_chains);
+        if (!runs) plan.same_as = "path";
+        const auto& lights = scene.lights();
+        const bool has_longer = settings_.max_edges - 2 > settings_.chain;
+        if (runs && has_longer && std::any_of(lights.begin(), lights.end(), is_delta))
+            plan.add(step_longer_chains,
+                     fmt::format("light of points and directions through more than {} smooth surfaces is left out",
+                                 settings_.chain));
+        if (!runs || !makes_all_materials(scene) || (has_longer && has_facing_mirrors(scene))) {
+            leave_out_of_camera_paths(plan, scene);
+            return plan;
+        }
+        // Chains do not begin in media, and few paths end where a pencil of light does.
+        for (const Component c : components_of_delta_paths(scene, plan.called_for))
+            if (c == Component::volume) leave_out(plan, {c});
+        leave_out(plan, components_of_pencils(
+                            scene, plan.called_for,
+                            {Component::direct, Component::caustic, Component::indirect, Component::volume}));
         return plan;
     }
 

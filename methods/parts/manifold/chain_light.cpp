@@ -27,9 +27,7 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 }
 
 /// Whether Newton's method has found the same chain twice: within the errors of both.
-bool is_same(const Chain& a, const Chain& b) {
-    return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error);
-}
+bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
 
 bool may_make_chains(const Scene& scene, std::size_t shape) {
     const Material& material = scene.material_of_shape(shape);
@@ -64,7 +62,8 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
         const Light& light = scene.lights()[kind.light];
         const std::uint32_t bits = kind.events.transmits;
         const bool is_possible = kind.events.length > 0 && !is_environment(light) && power_of(light).maxCoeff() > 0 &&
-                                 (bits == 0 || any_transmits) && ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
+                                 (bits == 0 || any_transmits) &&
+                                 ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
         guess_[k] = is_possible ? std::exp2(-kind.events.length) : 0.;
     }
     weigh(1, guess_);
@@ -79,8 +78,7 @@ std::size_t ChainSampler::number_of(const Kind& kind) const {
 ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
     const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
     const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
-    return {light_of(number), number / kinds_per_surface() % surfaces_.size(),
-            {length, events & ((1u << length) - 1)}};
+    return {light_of(number), number / kinds_per_surface() % surfaces_.size(), {length, events & ((1u << length) - 1)}};
 }
 
 void ChainSampler::weigh(double samples, const std::vector<double>& weights) {
@@ -120,8 +118,7 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
 /// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path; for delta
 /// lights those over lights.
 ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
-                                                const ChainEnd& end, const LightSample& light,
-                                                std::size_t kind) const {
+                                                const ChainEnd& end, const LightSample& light, std::size_t kind) const {
     const double q = samples_ * double{choice_.probability(kind)};
     const Vec3 wi_local = start.hit.shading.to_local(chain.w);
     return {q * double{light.pdf_w} * determinant_of(chain, end),
@@ -182,7 +179,8 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
     if (scene_.has_media()) {
         const auto whole = trace_chain(walk.rays, start, chain->w, kind.events, &u);
         if (!whole) return std::nullopt;
-        arriving *= whole->weight * walk.rays.transmittance(offset_origin(*chain->last, light->wi), whole->medium, *light, u);
+        arriving *=
+            whole->weight * walk.rays.transmittance(offset_origin(*chain->last, light->wi), whole->medium, *light, u);
     } else {
         arriving *= chain->weight * walk.rays.visibility(*chain->last, *light);
     }

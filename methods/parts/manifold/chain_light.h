@@ -53,10 +53,10 @@ public:
     bool empty() const { return !(choice_.size() > 0 && choice_.total() > 0); }
 
     struct Sample {
-        LobeValues light;   ///< radiance [W/(sr m^2)] that the hit scatters
+        LobeValues light;  ///< radiance [W/(sr m^2)] that the hit scatters
         std::size_t kind;
-        float q;            ///< mean number of samples of the kind at a point
-        float hit_moment;   ///< light^2 / hit_moment has the mean that light^2 has if samples of the bsdf hit the light
+        float q;           ///< mean number of samples of the kind at a point
+        float hit_moment;  ///< light^2 / hit_moment has the mean that light^2 has if samples of the bsdf hit the light
     };
     /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices that this
     /// makes, divided by samples(). Empty if it found none.

@@ -108,8 +108,7 @@ std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const
     for (int vertex = 0; vertex < events.length;) {
         auto hit = rays.intersect(ray);
         if (!hit) return std::nullopt;
-        if (flights && medium)
-            chain.weight *= medium->transmittance(ray.o, ray.d, (hit->p - ray.o).norm(), *flights);
+        if (flights && medium) chain.weight *= medium->transmittance(ray.o, ray.d, (hit->p - ray.o).norm(), *flights);
         if (makes_chains(*hit)) {
             if (scene.has_dispersion() && scene.material_of_shape(hit->shape).is_dispersive()) {
                 scene.disperse(*hit, *from.stratum);
@@ -153,7 +152,9 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
         auto next = trace_chain(rays, from, turned.normalized(), events);
         Constraint there = at;
         if (next) there = constraint_of(*next, end);
-if (getenv("DBG")) fprintf(stderr, "it %d mis %g step %g %g next %d there %g damp %g\n", i, at.mismatch, at.step.x(), at.step.y(), int(bool(next)), next?there.mismatch:-1., damping);
+        if (getenv("DBG"))
+            fprintf(stderr, "it %d mis %g step %g %g next %d there %g damp %g\n", i, at.mismatch, at.step.x(),
+                    at.step.y(), int(bool(next)), next ? there.mismatch : -1., damping);
         const bool is_nearer = next && there.mismatch < at.mismatch;
         if (is_nearer) {
             chain = std::move(next);

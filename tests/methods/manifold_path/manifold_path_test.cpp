@@ -22,9 +22,9 @@ constexpr double index_of_glass = 1.5, reflectance = 0.5;
 /// errors, which exceed 5 % of such tests by chance (Student's t of 15 degrees of freedom: 0.12 % each).
 void expect_caustic(const std::string& body, double x, double z, const std::string& eye, const std::string& label,
                     double expected) {
-    const auto scene = scene_of(scene_xml(
-        camera(0.01, to_world(look_at(eye, fmt::format("{}, 0, {}", x, z), "0.1, 0.2, 1")), box_film(1)) +
-        shape("rectangle", to_world(scale(10), rotate('x', -90)), diffuse(reflectance)) + body));
+    const auto scene = scene_of(
+        scene_xml(camera(0.01, to_world(look_at(eye, fmt::format("{}, 0, {}", x, z), "0.1, 0.2, 1")), box_film(1)) +
+                  shape("rectangle", to_world(scale(10), rotate('x', -90)), diffuse(reflectance)) + body));
     Moments moments;
     for (std::uint64_t seed = 1; seed <= 16; ++seed)
         moments.add(mean_of(*render(scene, label + " max_depth=0", 1024, seed)[Component::caustic])[0]);
@@ -71,7 +71,8 @@ TEST(ManifoldPath, PointThroughASlabHasItsClosedForm) {
     const double air = 3, glass_way = 0.6;
     const std::string body = slab(1.2, glass_way) + point_light(0.2, air + glass_way, 0.1, 1);
     const auto passes = [&](int crossings) {
-        return [=](double sine) { return air * tangent(sine) + crossings * glass_way * tangent(sine / index_of_glass); };
+        return
+            [=](double sine) { return air * tangent(sine) + crossings * glass_way * tangent(sine / index_of_glass); };
     };
     const auto share = [&](int reflections) {
         return [=](double sine) { return std::pow(1 - fresnel(sine), 2) * std::pow(fresnel(sine), reflections); };
@@ -91,7 +92,8 @@ TEST(ManifoldPath, PointThroughTwoSlabsHasItsClosedForm) {
 }
 
 TEST(ManifoldPath, PointInAMirrorHasItsClosedForm) {
-    const std::string body = shape("rectangle", to_world(scale(20), rotate('y', 90), translate(-2, 0, 0)), bsdf("conductor", text("material", "none"))) +
+    const std::string body = shape("rectangle", to_world(scale(20), rotate('y', 90), translate(-2, 0, 0)),
+                                   bsdf("conductor", text("material", "none"))) +
                              point_light(-0.5, 1.5, 0, 1);
     for (const double x : {-1.5, 0.5, 3.}) {
         const double away = x + 3.5, d2 = away * away + 1.5 * 1.5;  // from the image at x = -3.5
@@ -114,8 +116,7 @@ TEST(ManifoldPath, PointThroughABallHasItsClosedForm) {
     };
     const auto share = [](double sine) { return std::pow(1 - fresnel(up * sine), 2); };
     for (const double r : {0.02, 0.05, 0.09})
-        expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2",
-                       radiance_at(r, distance, share, 1 / up));
+        expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2", radiance_at(r, distance, share, 1 / up));
 }
 
 // The caustic of small lamps is too rare for `path`. Means are compared as same_means.h says: chance fails one of 20,000.
@@ -153,6 +154,7 @@ TEST(ManifoldPlan, ResolvesCausticsOfDeltaLights) {
     EXPECT_THAT(plan_of(glass_ball).unresolved, IsEmpty());
     EXPECT_TRUE(plan_of(glass_ball).missing.empty());
     EXPECT_THAT(plan_of(bsdf("thindielectric")).unresolved, Contains(Component::caustic));
+    EXPECT_THAT(plan_of(bsdf("conductor")).unresolved, IsEmpty()) << "a ball reflects once";
 }
 
 }  // namespace

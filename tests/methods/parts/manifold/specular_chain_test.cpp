@@ -27,9 +27,9 @@ std::string smooth_tetrahedron(const TemporaryFolder& folder) {
 class Body {
 public:
     explicit Body(const std::string& body)
-        : scene_(scene_of(scene_xml(camera(40, box_film(2)) +
-                                    shape("rectangle", to_world(scale(20), translate(0, 0, -3)), diffuse(0.5)) +
-                                    shape("rectangle", to_world(scale(20), translate(0, 0, 3)), diffuse(0.5)) + body))) {}
+        : scene_(scene_of(scene_xml(
+              camera(40, box_film(2)) + shape("rectangle", to_world(scale(20), translate(0, 0, -3)), diffuse(0.5)) +
+              shape("rectangle", to_world(scale(20), translate(0, 0, 3)), diffuse(0.5)) + body))) {}
 
     const gib::Scene& scene() const { return *scene_.scene; }
     SurfaceHit place(float x, float y) const { return *scene().intersect({Vec3(x, y, -2), Vec3(0, 0, -1)}); }
@@ -66,9 +66,10 @@ DerivativeErrors derivative_errors(const Body& body, const ChainEvents& events) 
         for (int k = 0; k < 2; ++k) {
             const auto more = trace_chain(rays, start, turned(w, k == 0 ? h : 0, k == 1 ? h : 0), events);
             const auto less = trace_chain(rays, start, turned(w, k == 0 ? -h : 0, k == 1 ? -h : 0), events);
-            on_same_faces = on_same_faces && more && less && more->last->primitive == chain->last->primitive &&
-                            less->last->primitive == chain->last->primitive &&
-                            (more->d + less->d - 2 * chain->d).norm() < 0.01f;  // else an edge, or another of two normals
+            on_same_faces =
+                on_same_faces && more && less && more->last->primitive == chain->last->primitive &&
+                less->last->primitive == chain->last->primitive &&
+                (more->d + less->d - 2 * chain->d).norm() < 0.01f;  // else an edge, or another of two normals
             if (!on_same_faces) break;
             dp.col(k) = (more->p - less->p) / (2 * h);
             dd.col(k) = (more->d - less->d).cast<double>() / (2 * h);
@@ -89,7 +90,8 @@ void expect_right_derivatives(const std::string& body, const ChainEvents& events
 
 TEST(SpecularChain, DerivativesMatchFiniteDifferencesOnEveryShape) {
     const TemporaryFolder folder;
-    const std::string tilted = to_world(rotate('x', 20), rotate('y', 10)), stretched = to_world(scale(0.5, 0.7, 1), rotate('x', 30));
+    const std::string tilted = to_world(rotate('x', 20), rotate('y', 10)),
+                      stretched = to_world(scale(0.5, 0.7, 1), rotate('x', 30));
     const std::vector<std::string> bodies = {
         shape("sphere", radius(0.8), glass()),
         shape("sphere", radius(0.8), flag("flip_normals"), glass(1 / 1.5)),
@@ -153,12 +155,15 @@ TEST(SpecularChain, IsFiniteOrNone) {
             const SurfaceHit x = body.place(i % 3 == 0 ? 0 : 2 * at.x() - 1, 0);
             const int length = 1 + static_cast<int>(4 * kind.x());
             const ChainEvents events{length, static_cast<std::uint32_t>(kind.y() * static_cast<float>(1 << length))};
-            const std::vector<ChainEnd> ends = {{Vec3(0, 0, 0), false}, {Vec3(0, 0, 1), false}, {x.p, false},
-                                                {Vec3(1, 0, 0.3f), false}, {Vec3(0, 0, 1), true}};
+            const std::vector<ChainEnd> ends = {{Vec3(0, 0, 0), false},
+                                                {Vec3(0, 0, 1), false},
+                                                {x.p, false},
+                                                {Vec3(1, 0, 0.3f), false},
+                                                {Vec3(0, 0, 1), true}};
             const ChainEnd& end = ends[i % ends.size()];
             RayQueries rays(body.scene());
-            const auto chain = find_chain(rays, {x, nullptr, std::nullopt},
-                                          square_to_cosine_hemisphere(u.get_2d(2)), events, end);
+            const auto chain =
+                find_chain(rays, {x, nullptr, std::nullopt}, square_to_cosine_hemisphere(u.get_2d(2)), events, end);
             if (!chain) continue;
             ++found;
             EXPECT_TRUE(std::isfinite(determinant_of(*chain, end)) && chain->p.allFinite() && chain->d.allFinite() &&
