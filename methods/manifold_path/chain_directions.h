@@ -6,8 +6,8 @@
 
 namespace gib {
 
-/// A class of directions for trace_path_in(). `Told` is a function of each sample of the chains, (PathWalk, optional Sample, rays
-/// that it took).
+/// A class of directions for trace_path_in(). `Told` is a function of each sample of the chains, (PathWalk, optional
+/// Sample, rays that it took).
 template <typename Told>
 class ChainDirections : public BsdfDirections {
 public:
@@ -59,8 +59,8 @@ private:
     const ChainSampler& chains_;
     ChainCounts& counts_;
     Told told_;
-    // The chain since the last vertex that chains are sampled at; none if the path has come from the eye, a medium or another
-    // delta lobe.
+    // The chain since the last vertex that chains are sampled at; none if the path has come from the eye, a medium or
+    // another delta lobe.
     std::optional<SurfaceHit> start_;
     const Medium* medium_ = nullptr;
     Vec3 wo_local_, w_;

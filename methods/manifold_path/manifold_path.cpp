@@ -1,16 +1,16 @@
-// Path tracing with specular manifold sampling. Sources: Zeltner, Georgiev and Jakob 2020, "Specular Manifold Sampling for
-// Rendering High-Frequency Caustics and Glints"; Hanika, Droske and Manzi 2015, "Manifold Next Event Estimation".
+// Path tracing with specular manifold sampling. Sources: Zeltner, Georgiev and Jakob 2020, "Specular Manifold Sampling
+// for Rendering High-Frequency Caustics and Glints"; Hanika, Droske and Manzi 2015, "Manifold Next Event Estimation".
 //
-// Computes: every component, by the paths of `path`. At each surface that is no pure delta, light that comes through a chain of 1 to
-// `chain` smooth vertices (dielectrics, conductors, plastics) is sampled by Newton's method from the surface to the light, where
-// that is the better way, and otherwise found by hitting the lamp. A pilot decides which of the two makes the chains of a lamp;
-// those of point, spot, projector and directional lights are made by nothing else.
+// Computes: every component, by the paths of `path`. At each surface that is no pure delta, light that comes through a
+// chain of 1 to `chain` smooth vertices (dielectrics, conductors, plastics) is sampled by Newton's method from the
+// surface to the light, where that is the better way, and otherwise found by hitting the lamp. A pilot decides which of
+// the two makes the chains of a lamp; those of point, spot, projector and directional lights are made by nothing else.
 // Parameters: chain = 4 vertices at most between a surface and a light; sampler, spp and max_depth as for all methods.
-// Bias: none, for paths that it makes. It leaves out light of delta lights through more than `chain` vertices, through thin sheets'
-// and bumped surfaces' reflections, and through chains that start in a medium.
+// Bias: none, for paths that it makes. It leaves out light of delta lights through more than `chain` vertices, through
+// thin sheets' and bumped surfaces' reflections, and through chains that start in a medium.
 // A pass: one sample of every pixel.
-// Fails: never; non-finite samples are counted and dropped. A chain that a million seeds did not find again is one of them (the
-// fact `lost`).
+// Fails: never; non-finite samples are counted and dropped. A chain that a million seeds did not find again is one of
+// them (the fact `lost`).
 #include "methods/manifold_path/chain_directions.h"
 #include "methods/manifold_path/chain_pilot.h"
 #include "methods/parts/transport/delta_paths.h"
@@ -101,7 +101,8 @@ bool makes_all_materials(const Scene& scene) {
                        [](const Material& material) { return !material.traits().delta || makes_chains(material); });
 }
 
-/// Whether light may be reflected again and again without loss: by two mirrors, or by one that is neither flat nor a sphere.
+/// Whether light may be reflected again and again without loss: by two mirrors, or by one that is neither flat nor a
+/// sphere.
 bool has_facing_mirrors(const Scene& scene) {
     int mirrors = scene.instances().empty() ? 0 : 1;
     for (std::size_t i = 0; i < scene.shapes().size(); ++i) {

@@ -115,8 +115,8 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
                        .target = shadow_ray_target(y, chain.last->p)};
 }
 
-/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path; for delta
-/// lights those over lights.
+/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path;
+/// for delta lights those over lights.
 ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
                                                 const ChainEnd& end, const LightSample& light, std::size_t kind) const {
     const double q = samples_ * double{choice_.probability(kind)};
@@ -137,7 +137,7 @@ bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& 
     if (!light || surface == surfaces_.end()) return false;
     const std::size_t kind = number_of({y.light, static_cast<std::size_t>(surface - surfaces_.begin()), events});
     const Densities by = densities(start, wo_local, *chain, {y.p, false}, *light, kind);
-    return by.chains > by.hits;
+    return by.prefer_chains();
 }
 
 std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
@@ -173,7 +173,7 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
     LobeValues f = scattered(hit, wo_local, chain->w);
     if (!light || is_black(light->Le) || is_black(f.sum())) return std::nullopt;
     const Densities by = densities(start, wo_local, *chain, end, *light, choice.index);
-    if (!(by.chains > by.hits)) return std::nullopt;
+    if (!by.prefer_chains()) return std::nullopt;
 
     Color arriving = light->Le / static_cast<float>(by.chains);
     if (scene_.has_media()) {

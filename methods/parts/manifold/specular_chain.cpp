@@ -44,7 +44,8 @@ std::optional<ScatteredRay> delta_ray(const SurfaceHit& hit, const Vec3& wo, boo
     return ray;
 }
 
-/// Derivatives at the next vertex of a chain that leaves it along `next` (Igehy 1999, equations 10 to 17).
+/// Derivatives at the next vertex of a chain that leaves it along `next` (Igehy 1999: transfer, reflection,
+/// refraction).
 void bend(Chain& chain, const Scene& scene, const SurfaceHit& hit, const ScatteredRay& next, bool transmits) {
     const Vec3d d = chain.d.cast<double>(), ng = hit.ng.cast<double>(), p = hit.p.cast<double>();
     // Transfer: dp <- (I - d ng^T / d.ng) (dp + t dd).

@@ -18,8 +18,8 @@ using testing::IsEmpty;
 
 constexpr double index_of_glass = 1.5, reflectance = 0.5;
 
-/// The radiance of the caustic at (x, 0, z) of a floor, from 16 seeds, must be this one within 0.5 % and within four standard
-/// errors, which exceed 5 % of such tests by chance (Student's t of 15 degrees of freedom: 0.12 % each).
+/// The radiance of the caustic at (x, 0, z) of a floor, from 16 seeds, must be this one within 0.5 % and within four
+/// standard errors, which exceed 5 % of such tests by chance (Student's t of 15 degrees of freedom: 0.12 % each).
 void expect_caustic(const std::string& body, double x, double z, const std::string& eye, const std::string& label,
                     double expected) {
     const auto scene = scene_of(
@@ -41,8 +41,9 @@ double fresnel(double sine) {
     return 0.5 * (s * s + p * p);
 }
 
-/// Radiance of the floor by a point of intensity 1 whose rays reach the signed distance r(sine) from its foot with the share
-/// T(sine), for sines of their angle up to `most`. The power in the cone sin theta dtheta dphi falls on the area r dr dphi; all cones that come to r count.
+/// Radiance of the floor by a point of intensity 1 whose rays reach the signed distance r(sine) from its foot with the
+/// share T(sine), for sines of their angle up to `most`. The power in the cone sin theta dtheta dphi falls on the area
+/// r dr dphi; all cones that come to r count.
 template <typename Distance, typename Share>
 double radiance_at(double r, Distance distance, Share share, double most = 1) {
     constexpr int steps = 200000;
@@ -102,8 +103,8 @@ TEST(ManifoldPath, PointInAMirrorHasItsClosedForm) {
     }
 }
 
-// A point on the axis of a ball of radius 1: a ray of the angle t to the axis meets the ball at the angle a with its normal, turns to
-// b, sin a = n sin b, and after the chord of length 2 cos b turns on by as much.
+// A point on the axis of a ball of radius 1: a ray of the angle t to the axis meets the ball at the angle a with its
+// normal, turns to b, sin a = n sin b, and after the chord of length 2 cos b turns on by as much.
 TEST(ManifoldPath, PointThroughABallHasItsClosedForm) {
     constexpr double up = 4, down = 1.6, n = index_of_glass;  // from the centre of the ball
     const std::string body = shape("sphere", center(0, down, 0), glass()) + point_light(0, down + up, 0, 1);
@@ -119,7 +120,8 @@ TEST(ManifoldPath, PointThroughABallHasItsClosedForm) {
         expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2", radiance_at(r, distance, share, 1 / up));
 }
 
-// The caustic of small lamps is too rare for `path`. Means are compared as same_means.h says: chance fails one of 20,000.
+// The caustic of small lamps is too rare for `path`. Means are compared as same_means.h says: chance fails one of
+// 20,000.
 TEST(ManifoldPathMeans, AreThoseOfBidirectionalPathTracing) {
     for (const std::string& ball : {glass_ball, plastic_ball, bsdf("conductor")})
         expect_same_means(room_xml({.light = lamp_of(0.15), .ball = ball}), {"bidirectional", "manifold_path"});

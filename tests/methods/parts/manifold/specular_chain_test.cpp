@@ -1,4 +1,5 @@
-// Chains of delta vertices: derivatives against finite differences on every shape, and defined results where chains end.
+// Chains of delta vertices: derivatives against finite differences on every shape, and defined results where chains
+// end.
 
 #include "methods/parts/manifold/specular_chain.h"
 #include "tests/support/random.h"
@@ -43,8 +44,8 @@ Vec3 turned(const Vec3& w, double s, double t) {
     return (w + static_cast<float>(s) * frame.s + static_cast<float>(t) * frame.t).normalized();
 }
 
-/// The largest error of the derivatives of chains from the floor to points around the origin, relative to their norm; and the
-/// number of chains. Central differences of a step h err by h^2 and by the rounding of positions over h.
+/// The largest error of the derivatives of chains from the floor to points around the origin, relative to their norm;
+/// and the number of chains. Central differences of a step h err by h^2 and by the rounding of positions over h.
 struct DerivativeErrors {
     double worst = 0;
     int chains = 0;
@@ -138,7 +139,8 @@ TEST(SpecularChain, IsFoundThroughASlabInClosedForm) {
     }
 }
 
-// Balls in balls, a light on the glass and in its centre, a place beside it, rays along its rim: a chain or none, never NaN.
+// Balls in balls, a light on the glass and in its centre, a place beside it, rays along its rim: a chain or none, never
+// NaN.
 TEST(SpecularChain, IsFiniteOrNone) {
     const std::vector<std::string> bodies = {
         shape("sphere", glass()) + shape("sphere", radius(0.5), glass(1 / 1.5)),
