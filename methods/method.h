@@ -86,6 +86,8 @@ struct Plan {
     /// Components some paths of which the method leaves out in this scene. As a reference it cannot judge them.
     std::vector<Component> unresolved = {};
     std::vector<Step> steps = {};
+    /// The method that does the same in this scene; empty: none. A reference then needs only one of the two.
+    std::string same_as = {};
 
     bool runs(std::string_view name) const;
     /// Appends a step, which runs unless there is a reason to skip it.

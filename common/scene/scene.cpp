@@ -181,6 +181,12 @@ SurfaceDerivatives Scene::derivatives_at(const SurfaceHit& hit) const {
                : gib::derivatives_at(groups_.instances[hit.instance], shape, hit.primitive, hit);
 }
 
+Eigen::Matrix3d Scene::normal_derivative_at(const SurfaceHit& hit) const {
+    const Shape& shape = shapes_[hit.shape];
+    return hit.instance == no_instance ? normal_derivative(shape, hit.primitive, hit)
+                                       : normal_derivative(groups_.instances[hit.instance], shape, hit.primitive, hit);
+}
+
 bool Scene::has_scattering_media() const {
     return has_media_ && std::any_of(media_.begin(), media_.end(), [](const Medium& m) { return m.scatters(); });
 }

@@ -150,6 +150,8 @@ public:
     }
     /// The derivatives at a hit that intersect() returned.
     SurfaceDerivatives derivatives_at(const SurfaceHit& hit) const;
+    /// normal_derivative() of the file's shading normal at such a hit.
+    Eigen::Matrix3d normal_derivative_at(const SurfaceHit& hit) const;
     bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
 
     /// The hit as lights light it, for a viewer in direction wo. Its side is worked out only where it counts.

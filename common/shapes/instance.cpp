@@ -59,4 +59,15 @@ SurfaceDerivatives derivatives_at(const Instance& instance, const Shape& shape, 
             (instance.linear * d.dp_dv.cast<double>()).cast<float>()};
 }
 
+/// With the map A and n' = A^-T n / |A^-T n|, dn' = (I - n' n'^T) A^-T dn / |A^-T n|.
+Eigen::Matrix3d normal_derivative(const Instance& instance, const Shape& shape, std::uint32_t primitive,
+                                  const SurfaceGeometry& in_scene) {
+    const Vec3d n = in_scene.ns.cast<double>();
+    const Vec3d in_group = (instance.linear.transpose() * n).normalized();
+    const double length = (instance.inverse.transpose() * in_group).norm();
+    const Eigen::Matrix3d change =
+        instance.inverse.transpose() * normal_derivative(shape, primitive, in_scene) * instance.inverse / length;
+    return change - n * (n.transpose() * change);
+}
+
 }  // namespace gib

@@ -41,5 +41,8 @@ SurfaceGeometry carried_to_scene(const Instance& instance, const SurfaceGeometry
 /// The derivatives, in the scene's coordinates, at a point that carried_to_scene() returned.
 SurfaceDerivatives derivatives_at(const Instance& instance, const Shape& shape, std::uint32_t primitive,
                                   const SurfaceGeometry& in_scene);
+/// normal_derivative(), in the scene's coordinates, at such a point.
+Eigen::Matrix3d normal_derivative(const Instance& instance, const Shape& shape, std::uint32_t primitive,
+                                  const SurfaceGeometry& in_scene);
 
 }  // namespace gib

@@ -129,6 +129,10 @@ SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool 
 /// direction there and is tiny instead of zero.
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
 
+/// The linear map from a step of the point `at` along its surface to the change of the unit shading normal there
+/// [1/scene units]. It is zero where a mesh has no normals of its own. Steps across the edge of a triangle do not count.
+Eigen::Matrix3d normal_derivative(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at);
+
 /// The smallest t in (t_min, t_max) at which the ray meets a shape that is not a mesh. It is computed in double,
 /// because in float the difference of nearly equal terms in a quadratic equation loses half of the digits (Haines et
 /// al. 2019, Ray Tracing Gems, chapter 7).

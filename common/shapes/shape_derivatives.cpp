@@ -67,7 +67,42 @@ SurfaceDerivatives derivatives_of(const Cylinder& cylinder, std::uint32_t, const
     return {2.f * pi * cylinder.radius * around, cylinder.axis};
 }
 
+/// n = m / |m| with the sum m of the vertex normals by barycentric weights, so that dn = (I - n n^T) dm / |m|. The weights of
+/// the second and third vertex change by g1.dp and g2.dp, where g1 and g2 are the dual basis of the edges.
+Eigen::Matrix3d normal_derivative_of(const Mesh& mesh, std::uint32_t triangle, const SurfaceGeometry& at) {
+    if (mesh.normals.empty()) return Eigen::Matrix3d::Zero();
+    const auto& t = mesh.triangles[triangle];
+    const Vec3d v0 = mesh.vertex(t[0]).cast<double>(), n0 = mesh.normals[t[0]].cast<double>();
+    const Vec3d e1 = mesh.vertex(t[1]).cast<double>() - v0, e2 = mesh.vertex(t[2]).cast<double>() - v0;
+    const Vec3d d1 = mesh.normals[t[1]].cast<double>() - n0, d2 = mesh.normals[t[2]].cast<double>() - n0;
+    const Vec3d across = e1.cross(e2), m = n0 + double{at.weights.x()} * d1 + double{at.weights.y()} * d2;
+    const double length = m.norm(), area2 = across.squaredNorm();
+    if (!(length > 0 && area2 > 0)) return Eigen::Matrix3d::Zero();
+    const Vec3d n = m / length, g1 = e2.cross(across) / area2, g2 = across.cross(e1) / area2;
+    const Eigen::Matrix3d dm = d1 * g1.transpose() + d2 * g2.transpose();
+    return (dm - n * (n.transpose() * dm)) * ((mesh.flip_normals ? -1 : 1) / length);
+}
+
+/// On a sphere n = (p - center) / radius.
+Eigen::Matrix3d normal_derivative_of(const Sphere& sphere, std::uint32_t, const SurfaceGeometry&) {
+    return Eigen::Matrix3d::Identity() * ((sphere.flip_normals ? -1 : 1) / double{sphere.radius});
+}
+
+Eigen::Matrix3d normal_derivative_of(const Disk&, std::uint32_t, const SurfaceGeometry&) {
+    return Eigen::Matrix3d::Zero();
+}
+
+/// The same as on a sphere, but steps along the axis change nothing.
+Eigen::Matrix3d normal_derivative_of(const Cylinder& cylinder, std::uint32_t, const SurfaceGeometry&) {
+    const Vec3d s = cylinder.s.cast<double>(), t = cylinder.t.cast<double>();
+    return (s * s.transpose() + t * t.transpose()) * ((cylinder.flip_normals ? -1 : 1) / double{cylinder.radius});
+}
+
 }  // namespace
+
+Eigen::Matrix3d normal_derivative(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at) {
+    return std::visit([&](const auto& s) { return normal_derivative_of(s, primitive, at); }, shape);
+}
 
 SurfaceDerivatives derivatives_at(const Shape& shape, std::uint32_t primitive, const SurfaceGeometry& at) {
     return std::visit([&](const auto& s) { return derivatives_of(s, primitive, at); }, shape);

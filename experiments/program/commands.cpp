@@ -204,7 +204,7 @@ void render(const RenderOptions& options, std::ostream& out) {
 
 void make_reference_file(const ReferenceOptions& options, std::ostream& out) {
     const MethodLabel label = MethodLabel::parse(options.method);
-    const auto methods = reference_methods(label);
+    static_cast<void>(reference_methods(label));  // the label's errors come before the scene is loaded
     if (options.epsilon) require_epsilon(*options.epsilon);
     // isfinite() comes first: a comparison with NaN would be an invalid operation, which some builds trap.
     if (options.seconds && !(std::isfinite(*options.seconds) && *options.seconds > 0))
@@ -220,7 +220,7 @@ void make_reference_file(const ReferenceOptions& options, std::ostream& out) {
         progress.message("warning: " + light);
     FinishedReference finished;
     const ReferenceWork work{.scene = loaded,
-                             .methods = methods,
+                             .methods = methods_for(loaded, label),
                              .label = label,
                              .goal = goal,
                              .epsilon = options.epsilon,

@@ -266,6 +266,16 @@ std::string reference_key(const std::string& content_hash, const MethodLabel& la
 
 std::string cached_reference_path(const std::string& key) { return "results/references/" + key + ".exr"; }
 
+std::vector<const MethodDescription*> methods_for(const LoadedScene& scene, const MethodLabel& label) {
+    auto methods = reference_methods(label);
+    std::erase_if(methods, [&](const MethodDescription* method) {
+        const ConfiguredMethod configured({method->name, label.values});
+        return label.name == auto_reference &&
+               !configured.create({scene.max_edges})->plan(*scene.scene).same_as.empty();
+    });
+    return methods;
+}
+
 FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progress) {
     require_memory_for_reference(work.scene.scene->sensor().width(), work.scene.scene->sensor().height());
     return Making(work, progress).finished();

@@ -21,9 +21,13 @@
 
 namespace gib {
 
+/// The methods of a reference of this label (reference_methods()); for `auto` without those that do in this scene what another one
+/// does.
+std::vector<const MethodDescription*> methods_for(const LoadedScene& scene, const MethodLabel& label);
+
 struct ReferenceWork {
     const LoadedScene& scene;
-    std::vector<const MethodDescription*> methods;  ///< methods that make it together (reference_methods())
+    std::vector<const MethodDescription*> methods;  ///< methods that make it together (methods_for())
     MethodLabel label;                              ///< label of the reference, without spp
     ReferenceGoal goal;
     std::optional<double> epsilon;  ///< [radiance^2] of the relative error that `goal` bounds; none: the default

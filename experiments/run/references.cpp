@@ -64,7 +64,7 @@ ReferenceWork References::work_of(const RunScene& scene, const LoadedScene& load
                                   std::optional<double> most_own_work) const {
     const MethodLabel& label = setup_.experiment.reference_method;
     return {.scene = loaded,
-            .methods = reference_methods(label),
+            .methods = methods_for(loaded, label),
             .label = label,
             .goal = scene.entry.goal,
             .epsilon = setup_.experiment.epsilon,

@@ -13,7 +13,7 @@ namespace gib {
 /// A class of directions for trace_path_in(). A direction has the density a q + (1 - a) p, where p is that of the bsdf
 /// or phase function, q that of the field, and a the leaf's selection. The bsdf keeps its delta lobes, so q is no part of
 /// theirs.
-class GuidedDirections {
+class GuidedDirections : public NoChains {
 public:
     explicit GuidedDirections(const RadianceField& field) : field_(field) {}
 

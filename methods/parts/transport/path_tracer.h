@@ -6,8 +6,17 @@
 
 namespace gib {
 
+/// Paths that no specular chains are sampled for: light that comes through mirrors or glass is found by hitting it.
+struct NoChains {
+    /// Whether other samples make the path that ends on the emitter at `hit`.
+    static constexpr bool leaves_out(PathWalk&, const std::optional<SurfaceHit>& /*hit*/) { return false; }
+    /// Calls add(kind of lobe, radiance) for light that reaches the hit through specular vertices and is scattered to wo.
+    template <typename Add>
+    void add_light_of_chains(PathWalk&, const SurfaceHit&, const Vec3& /*wo_local*/, int /*edges_left*/, Add&&) {}
+};
+
 /// Directions by the bsdf or phase function alone. Other classes of directions have the same members.
-struct BsdfDirections {
+struct BsdfDirections : NoChains {
     /// The path has come to a place that scatters.
     void arrive(const Vec3& /*p*/, const Vec3& /*normal*/) {}
     /// PathWalk::scatter() for an eye path, by all lobes.
@@ -59,7 +68,7 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
             continue;
         }
         auto hit = walk.surface_hit();
-        if (!hit || hit->emitter) add(path.path_class, walk.emitted(hit));
+        if ((!hit || hit->emitter) && !directions.leaves_out(walk, hit)) add(path.path_class, walk.emitted(hit));
         if (!hit) break;
         if (walk.passes_through(*hit)) continue;
         if (is_last) break;
@@ -74,6 +83,11 @@ PixelSample trace_path_in(Directions& directions, RayQueries& rays, const Traced
             const LobeValues direct = sample_direct_light(walk.rays, *hit, wo_local, u, walk.surroundings(), both);
             if (lobes.diffuse) add(path.path_class.after(LobeKind::diffuse), path.beta * direct.diffuse);
             if (lobes.glossy) add(path.path_class.after(LobeKind::specular), path.beta * direct.specular);
+            directions.add_light_of_chains(walk, *hit, wo_local, max_edges - (path.vertex + 1),
+                                           [&](LobeKind kind, const Color& light) {
+                                               const PathClass there = path.path_class.after(kind);
+                                               add(there.after(LobeKind::specular), path.beta * light);
+                                           });
         }
         const auto next = directions.scatter(walk, *hit, wo_local, u, sees_lights);
         if (!next) break;

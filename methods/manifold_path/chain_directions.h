@@ -1,0 +1,70 @@
+#pragma once
+// Directions of path tracing by the bsdf, whose light through specular chains is partly made by a ChainSampler.
+
+#include "methods/parts/manifold/chain_light.h"
+#include "methods/parts/transport/path_tracer.h"
+
+namespace gib {
+
+/// A class of directions for trace_path_in(). `Told` is a function of each sample of the chains, (PathWalk, optional
+/// Sample, rays that it took).
+template <typename Told>
+class ChainDirections : public BsdfDirections {
+public:
+    ChainDirections(const ChainSampler& chains, ChainCounts& counts, Told told)
+        : chains_(chains), counts_(counts), told_(told) {}
+
+    bool leaves_out(PathWalk& walk, const std::optional<SurfaceHit>& hit) const {
+        if (!hit || !hit->emitter || !start_ || events_.length == 0) return false;
+        return chains_.makes(walk.rays, {*start_, medium_, walk.at.stratum}, wo_local_, w_, events_, *hit);
+    }
+
+    template <typename Add>
+    void add_light_of_chains(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int edges_left, Add&& add) {
+        const double samples = chains_.samples() + double{walk.flights.next()};
+        for (int i = 1; i <= samples; ++i) {
+            const std::uint64_t before = walk.rays.count();
+            const auto sample = chains_.sample(walk, hit, wo_local, edges_left - 1, counts_);
+            told_(walk, sample, walk.rays.count() - before);
+            if (!sample) continue;
+            add(LobeKind::diffuse, sample->light.diffuse);
+            add(LobeKind::specular, sample->light.specular);
+        }
+    }
+
+    std::optional<ScatteredRay> scatter(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
+                                        const VertexNumbers& u, bool sees_lights) {
+        const auto next = BsdfDirections::scatter(walk, hit, wo_local, u, sees_lights);
+        if (!next) return next;
+        if (!next->delta) {
+            start_ = hit;
+            medium_ = walk.at.medium;
+            wo_local_ = wo_local;
+            w_ = next->wi;
+            events_ = {0, 0};
+        } else if (start_) {
+            const bool transmits = next->wi.dot(hit.ng) * walk.wo().dot(hit.ng) < 0.f;
+            if (makes_chains(hit) && events_.length < ChainSampler::longest_possible)
+                events_ = {events_.length + 1, events_.transmits | (transmits ? 1u << events_.length : 0u)};
+            else start_.reset();
+        }
+        return next;
+    }
+    std::optional<Vec3> scatter_in_medium(PathWalk& walk, const VertexNumbers& u, bool sees_lights) {
+        start_.reset();
+        return BsdfDirections::scatter_in_medium(walk, u, sees_lights);
+    }
+
+private:
+    const ChainSampler& chains_;
+    ChainCounts& counts_;
+    Told told_;
+    // The chain since the last vertex that chains are sampled at; none if the path has come from the eye, a medium or
+    // another delta lobe.
+    std::optional<SurfaceHit> start_;
+    const Medium* medium_ = nullptr;
+    Vec3 wo_local_, w_;
+    ChainEvents events_ = {0, 0};
+};
+
+}  // namespace gib

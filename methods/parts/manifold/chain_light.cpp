@@ -1,0 +1,207 @@
+#include "methods/parts/manifold/chain_light.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace gib {
+
+namespace {
+
+/// Where a chain ends on a light. `y` is a point of its surface, if it has one.
+ChainEnd end_on(const Light& light, const SurfaceGeometry& y) {
+    if (const auto* point = std::get_if<PointLight>(&light)) return {point->position, false};
+    if (const auto* spot = std::get_if<SpotLight>(&light)) return {spot->position(), false};
+    if (const auto* projector = std::get_if<ProjectorLight>(&light)) return {projector->position(), false};
+    if (const auto* sun = std::get_if<DirectionalLight>(&light)) return {-sun->direction, true};
+    return {y.p, false};
+}
+
+/// f |cos| of the hit for light from w.
+LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w) {
+    if (hit.delta_only || !hit.normals_agree_about(w)) return {};
+    const Vec3 wi_local = hit.shading.to_local(w);
+    LobeValues f = hit.bsdf->f_local(wo_local, wi_local);
+    f.diffuse *= std::abs(wi_local.z());
+    f.specular *= std::abs(wi_local.z());
+    return f;
+}
+
+/// Whether Newton's method has found the same chain twice: within the errors of both.
+bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
+
+bool may_make_chains(const Scene& scene, std::size_t shape) {
+    const Material& material = scene.material_of_shape(shape);
+    return material.traits().delta && !material.is_bumped();
+}
+
+}  // namespace
+
+ChainSampler::ChainSampler(const Scene& scene, int longest)
+    : scene_(scene), longest_(longest), area_(scene.shapes().size()), is_made_(scene.lights().size(), false) {
+    const InstancedGroups& groups = scene.groups();
+    const auto outside = static_cast<std::uint32_t>(groups.begin.empty() ? scene.shapes().size() : groups.begin[0]);
+    const auto add = [&](std::uint32_t shape, std::uint32_t instance) {
+        if (!may_make_chains(scene, shape) || !(area_of(scene.shapes()[shape]) > 0)) return;
+        if (!area_[shape]) area_[shape].emplace(scene.shapes()[shape]);
+        surfaces_.push_back({shape, instance});
+    };
+    for (std::uint32_t i = 0; i < outside; ++i)
+        add(i, no_instance);
+    for (std::uint32_t n = 0; n < groups.instances.size(); ++n) {
+        const std::uint32_t group = groups.instances[n].group;
+        for (std::uint32_t i = groups.begin[group]; i < groups.begin[group + 1]; ++i)
+            add(i, n);
+    }
+    const double all = static_cast<double>(kinds_per_light()) * static_cast<double>(scene.lights().size());
+    if (surfaces_.empty() || all > static_cast<double>(most_kinds)) return;
+    const auto transmits = [&](const Surface& s) { return scene.material_of_shape(s.shape).traits().transmission; };
+    const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
+    guess_.resize(static_cast<std::size_t>(all));
+    for (std::size_t k = 0; k < guess_.size(); ++k) {
+        const Kind kind = kind_of(k);
+        const Light& light = scene.lights()[kind.light];
+        const std::uint32_t bits = kind.events.transmits;
+        const bool is_possible = kind.events.length > 0 && !is_environment(light) && power_of(light).maxCoeff() > 0 &&
+                                 (bits == 0 || any_transmits) &&
+                                 ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
+        guess_[k] = is_possible ? std::exp2(-kind.events.length) : 0.;
+    }
+    weigh(1, guess_);
+}
+
+/// The events of length l with the bits b have the number 2^l + b among those of a surface.
+std::size_t ChainSampler::number_of(const Kind& kind) const {
+    return kind.light * kinds_per_light() + kind.surface * kinds_per_surface() +
+           ((std::size_t{1} << kind.events.length) | kind.events.transmits);
+}
+
+ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
+    const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
+    const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
+    return {light_of(number), number / kinds_per_surface() % surfaces_.size(), {length, events & ((1u << length) - 1)}};
+}
+
+void ChainSampler::weigh(double samples, const std::vector<double>& weights) {
+    samples_ = samples;
+    choice_ = DiscreteDistribution(weights);
+    std::fill(is_made_.begin(), is_made_.end(), false);
+    for (std::size_t k = 0; k < weights.size(); ++k)
+        if (weights[k] > 0) is_made_[light_of(k)] = true;
+}
+
+Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
+    const float first = u.next(), second = u.next();
+    const Vec3 p = area_[surface.shape]->sample(scene_.shapes()[surface.shape], {first, second}).p;
+    if (surface.instance == no_instance) return p;
+    const Instance& instance = scene_.instances()[surface.instance];
+    return (instance.linear * p.cast<double>() + instance.translation).cast<float>();
+}
+
+/// The light as seen from the chain's last vertex, with the density of y [1/sr] in its pdf_w.
+std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint32_t light,
+                                                  const SurfaceGeometry& y) const {
+    const auto* lamp = std::get_if<AreaLight>(&scene_.lights()[light]);
+    if (!lamp) return gib::sample_light(scene_.lights()[light], scene_.shapes(), chain.last->p, Vec2::Zero());
+    const Vec3 way = y.p - chain.last->p;
+    const float d2 = way.squaredNorm(), d = std::sqrt(d2), cosine = -way.dot(y.ng) / d;
+    if (!(cosine > 0.f)) return std::nullopt;
+    return LightSample{.wi = way / d,
+                       .distance = d,
+                       .Le = lamp->radiance_at(y.texture_point()),
+                       .pdf_w = d2 / (cosine * lamp->surface.area()),
+                       .delta = false,
+                       .cos_light = cosine,
+                       .light = light,
+                       .target = shadow_ray_target(y, chain.last->p)};
+}
+
+/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path;
+/// for delta lights those over lights.
+ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
+                                                const ChainEnd& end, const LightSample& light, std::size_t kind) const {
+    const double q = samples_ * double{choice_.probability(kind)};
+    const Vec3 wi_local = start.hit.shading.to_local(chain.w);
+    return {q * double{light.pdf_w} * determinant_of(chain, end),
+            light.delta ? 0. : double{start.hit.bsdf->pdf_w_local(wo_local, wi_local) * chain.probability}};
+}
+
+bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
+                         const ChainEvents& events, const SurfaceHit& y) const {
+    if (!is_made_[y.light] || events.length < 1 || events.length > longest_) return false;
+    const auto chain = trace_chain(rays, start, w, events);
+    if (!chain) return false;
+    const auto light = light_at(*chain, y.light, y);
+    const auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
+        return s.shape == chain->shape && s.instance == chain->instance;
+    });
+    if (!light || surface == surfaces_.end()) return false;
+    const std::size_t kind = number_of({y.light, static_cast<std::size_t>(surface - surfaces_.begin()), events});
+    const Densities by = densities(start, wo_local, *chain, {y.p, false}, *light, kind);
+    return by.prefer_chains();
+}
+
+std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
+                                                         int longest, ChainCounts& counts) const {
+    NumberStream& u = walk.flights;
+    const auto choice = choice_.sample(u.next());
+    const Kind kind = kind_of(choice.index);
+    const Surface& surface = surfaces_[kind.surface];
+    if (kind.events.length > longest) return std::nullopt;
+    ChainStart start{hit, walk.at.medium, walk.at.stratum};
+    const bool splits = scene_.has_dispersion() && !start.stratum;
+    if (splits) start.stratum = static_cast<int>(wavelength_strata * u.next());
+    SurfaceGeometry y{};
+    if (const auto* lamp = std::get_if<AreaLight>(&scene_.lights()[kind.light])) {
+        const float first = u.next(), second = u.next();
+        y = lamp->surface.sample_geometry(scene_.shapes()[lamp->shape], {first, second});
+    }
+    const ChainEnd end = end_on(scene_.lights()[kind.light], y);
+    const float side = hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local));
+    std::uint64_t trials = 0;
+    const auto find = [&]() -> std::optional<Chain> {
+        ++trials;
+        const Vec3 w = (seed_point(surface, u) - hit.p).normalized();
+        if (!w.array().isFinite().all() || w.dot(hit.shading.n) * side < 0.f) return std::nullopt;
+        auto chain = find_chain(walk.rays, start, w, kind.events, end);
+        if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
+        return chain;
+    };
+    const auto chain = find();
+    counts.trials.fetch_add(trials, std::memory_order_relaxed);
+    if (!chain) return std::nullopt;
+    const auto light = light_at(*chain, kind.light, y);
+    LobeValues f = scattered(hit, wo_local, chain->w);
+    if (!light || is_black(light->Le) || is_black(f.sum())) return std::nullopt;
+    const Densities by = densities(start, wo_local, *chain, end, *light, choice.index);
+    if (!by.prefer_chains()) return std::nullopt;
+
+    Color arriving = light->Le / static_cast<float>(by.chains);
+    if (scene_.has_media()) {
+        const auto whole = trace_chain(walk.rays, start, chain->w, kind.events, &u);
+        if (!whole) return std::nullopt;
+        arriving *=
+            whole->weight * walk.rays.transmittance(offset_origin(*chain->last, light->wi), whole->medium, *light, u);
+    } else {
+        arriving *= chain->weight * walk.rays.visibility(*chain->last, *light);
+    }
+    if (splits && chain->is_split) arriving *= stratum_weight(*start.stratum);
+    if (is_black(arriving)) return std::nullopt;
+
+    counts.chains.fetch_add(1, std::memory_order_relaxed);
+    trials = 0;
+    while (trials < most_trials) {
+        const auto again = find();
+        if (again && is_same(*again, *chain)) break;
+    }
+    counts.trials.fetch_add(trials, std::memory_order_relaxed);
+    if (trials == most_trials) {
+        counts.lost.fetch_add(1, std::memory_order_relaxed);
+        arriving *= std::numeric_limits<float>::quiet_NaN();
+    }
+    f.diffuse *= arriving * static_cast<float>(trials);
+    f.specular *= arriving * static_cast<float>(trials);
+    return Sample{f, choice.index, static_cast<float>(samples_) * choice.probability,
+                  static_cast<float>(by.hits / by.chains * static_cast<double>(trials))};
+}
+
+}  // namespace gib
