@@ -152,10 +152,15 @@ private:
         return reference;
     }
 
-    /// The shares of an earlier session, whose images the stored groups hold.
+    /// The shares of an earlier session, whose images the stored groups hold. Makers that the program did not have then, the last
+    /// ones, take no part.
     bool take_stored_shares() {
-        const std::vector<MakerShare> stored = shares_in(stored_shares_);
-        if (!std::ranges::equal(stored, rounds_.shares, {}, &MakerShare::method, &MakerShare::method)) return false;
+        std::vector<MakerShare> stored = shares_in(stored_shares_);
+        if (stored.empty() || stored.size() > rounds_.shares.size()) return false;
+        for (std::size_t m = 0; m < rounds_.shares.size(); ++m) {
+            if (m == stored.size()) stored.push_back({rounds_.shares[m].method, 0, {}});
+            if (stored[m].method != rounds_.shares[m].method) return false;
+        }
         rounds_.shares = stored;
         return true;
     }
