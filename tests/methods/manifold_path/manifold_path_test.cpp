@@ -79,7 +79,7 @@ TEST(ManifoldPath, PointThroughASlabHasItsClosedForm) {
         return [=](double sine) { return std::pow(1 - fresnel(sine), 2) * std::pow(fresnel(sine), reflections); };
     };
     for (const double r : {0.4, 1.7, 4.1})
-        expect_caustic(body, 0.2 + r, 0.1, "-0.5, 1, -0.6", "manifold_path",
+        expect_caustic(body, 0.2 + r, 0.1, "-0.5, 1, -0.6", "manifold_path chain=4",
                        radiance_at(r, passes(1), share(0)) + radiance_at(r, passes(3), share(2)));
 }
 
@@ -88,7 +88,7 @@ TEST(ManifoldPath, PointThroughTwoSlabsHasItsClosedForm) {
     const auto distance = [](double sine) { return 2.4 * tangent(sine) + 0.6 * tangent(sine / index_of_glass); };
     // Reflections between the faces add two vertices, and are not made.
     for (const double r : {0.3, 1.2, 2.5})
-        expect_caustic(body, r, 0, "-0.5, 0.8, -0.6", "manifold_path",
+        expect_caustic(body, r, 0, "-0.5, 0.8, -0.6", "manifold_path chain=4",
                        radiance_at(r, distance, [](double sine) { return std::pow(1 - fresnel(sine), 4); }));
 }
 
@@ -98,7 +98,7 @@ TEST(ManifoldPath, PointInAMirrorHasItsClosedForm) {
                              point_light(-0.5, 1.5, 0, 1);
     for (const double x : {-1.5, 0.5, 3.}) {
         const double away = x + 3.5, d2 = away * away + 1.5 * 1.5;  // from the image at x = -3.5
-        expect_caustic(body, x, 0, "0, 2, -2.5", "manifold_path",
+        expect_caustic(body, x, 0, "0, 2, -2.5", "manifold_path chain=2",
                        reflectance * std::numbers::inv_pi * 1.5 / (d2 * std::sqrt(d2)));
     }
 }
