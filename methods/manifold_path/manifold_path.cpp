@@ -5,7 +5,7 @@
 // chain of 1 to `chain` smooth vertices (dielectrics, conductors, plastics) is sampled by Newton's method from the
 // surface to the light, where that is the better way, and otherwise found by hitting the lamp. A pilot decides which of
 // the two makes the chains of a lamp; those of point, spot, projector and directional lights are made by nothing else.
-// Parameters: chain = 4 vertices at most between a surface and a light; sampler, spp and max_depth as for all methods.
+// Parameters: chain = 6 vertices at most between a surface and a light; sampler, spp and max_depth as for all methods.
 // Bias: none, for paths that it makes. It leaves out light of delta lights through more than `chain` vertices, through
 // thin sheets' and bumped surfaces' reflections, and through chains that start in a medium.
 // A pass: one sample of every pixel.
@@ -164,7 +164,7 @@ MethodDescription describe_manifold_path() {
     return {
         .name = "manifold_path",
         .sentence = "path tracing that finds lights through glass and mirrors by Newton's method: unbiased",
-        .parameters = {integer_parameter("chain", "4", "vertices", 1, ChainSampler::longest_possible,
+        .parameters = {integer_parameter("chain", "6", "vertices", 1, ChainSampler::longest_possible,
                                          "smooth vertices between a surface and a light, at most"),
                        point_set_parameter()},
         .simulates = Effects::all(),

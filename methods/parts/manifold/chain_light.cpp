@@ -29,6 +29,11 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 /// Whether Newton's method has found the same chain twice: within the errors of both.
 bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
 
+/// Share of the seeds that begin in the direction of the light, if the chain's surface lies there (Hanika et al. 2015).
+constexpr float straight_share = 0.75f;
+
+constexpr int most_redraws = 32;
+
 bool may_make_chains(const Scene& scene, std::size_t shape) {
     const Material& material = scene.material_of_shape(shape);
     return material.traits().delta && !material.is_bumped();
@@ -157,11 +162,22 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
     }
     const ChainEnd end = end_on(scene_.lights()[kind.light], y);
     const float side = hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local));
+    const Vec3 straight = end.at_infinity ? end.p : Vec3(end.p - hit.p).normalized();
+    const bool may_be_ahead = kind.events.transmits_at(0) && straight.squaredNorm() > 0.5f;
+    const auto ahead = may_be_ahead ? walk.rays.intersect(hit.spawn_ray(straight)) : std::nullopt;
+    const bool is_ahead = ahead && ahead->shape == surface.shape && ahead->instance == surface.instance;
     std::uint64_t trials = 0;
     const auto find = [&]() -> std::optional<Chain> {
         ++trials;
-        const Vec3 w = (seed_point(surface, u) - hit.p).normalized();
-        if (!w.array().isFinite().all() || w.dot(hit.shading.n) * side < 0.f) return std::nullopt;
+        const auto is_seen = [&](const Vec3& w) {
+            return w.squaredNorm() > 0.5f && w.dot(hit.shading.n) * side >= 0.f;
+        };
+        Vec3 w = straight;
+        const bool goes_straight = is_ahead && is_seen(w) && u.next() < straight_share;
+        // Points below the horizon of x are drawn again.
+        for (int i = 0; !goes_straight && (i == 0 || (i < most_redraws && !is_seen(w))); ++i)
+            w = (seed_point(surface, u) - hit.p).normalized();
+        if (!is_seen(w)) return std::nullopt;
         auto chain = find_chain(walk.rays, start, w, kind.events, end);
         if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
         return chain;

@@ -5,9 +5,9 @@
 //
 // A sample at x draws the kind of a chain: a light, the shape of x_1, and the events (reflection, transmission) of 1 to
 // `longest` vertices, with the probability q; then a point y of the light. A seed is a uniform point of the shape:
-// Newton's method starts from the direction of the ray from x to there. A set of seeds of unknown probability p leads
-// to the same chain. New seeds are drawn until one does; their number n has the mean 1 / p (Zeltner 2020, section 4.3),
-// and
+// Newton's method starts from the direction of the ray from x to there, or often from that to y, if the shape lies
+// there. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one does; their
+// number n has the mean 1 / p (Zeltner 2020, section 4.3), and
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
 // is an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a sample
 // of y would bring to x_k: Le cos_y / (pdf_a r^2).
