@@ -149,22 +149,6 @@ TEST(Cylinder, LightsWithItsOuterSide) {
     EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
 }
 
-/// The irradiance [W/m^2] at p on a plane with this normal, by quadrature over the
-/// cosine-weighted directions of the hemisphere.
-double irradiance_by_quadrature(const gib::Scene& scene, const Vec3& p, const Vec3& normal) {
-    constexpr int n = 1000;
-    const Frame frame(normal);
-    double sum = 0;
-    for (int i = 0; i < n; ++i)
-        for (int k = 0; k < n; ++k) {
-            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(
-                Vec2((static_cast<float>(i) + 0.5f) / n, (static_cast<float>(k) + 0.5f) / n)));
-            const auto hit = scene.intersect({p, w});
-            if (hit) sum += static_cast<double>(hit->Le(-w)[0]);
-        }
-    return std::numbers::pi * sum / (static_cast<double>(n) * n);
-}
-
 TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
     const auto loaded = lamp();
     Random random(6);
