@@ -1,6 +1,6 @@
 #pragma once
-// Where the batches of a reference come from: from its folder of batches, where other processes may have left them, or from the
-// makers.
+// Where the batches of a reference come from: from its folder of batches, where other processes may have left them, or
+// from the makers.
 
 #include "experiments/references/makers.h"
 #include "experiments/references/store.h"
@@ -12,8 +12,8 @@ namespace gib {
 
 class Batches {
 public:
-    /// `path` is that of the reference, `key` decides the seeds. `keeps_all`: batches that are made go into the folder, so that
-    /// other processes find them; else only those that have taken long, which Ctrl-C shall not lose.
+    /// `path` is that of the reference, `key` decides the seeds. `keeps_all`: batches that are made go into the folder,
+    /// so that other processes find them; else only those that have taken long, which Ctrl-C shall not lose.
     Batches(const std::vector<ReferenceMaker>& makers, std::string key, const std::string& path, bool keeps_all);
 
     bool has(const ReferenceBatch& batch) const { return folder_.has(batch); }

@@ -10,8 +10,8 @@ namespace {
 
 /// The pilot ends after this share of the reference's work, and after so many rounds.
 constexpr double pilot_share = 0.03;
-/// A time limit beside a target ends the pilot after this share of the limit. Where that is before the pilot's share of the
-/// work, the target would take more than three times the limit.
+/// A time limit beside a target ends the pilot after this share of the limit. Where that is before the pilot's share of
+/// the work, the target would take more than three times the limit.
 constexpr double pilot_share_of_limit = 0.1;
 constexpr std::uint32_t most_rounds = 10, pilot_groups = 4, first_passes = 4;
 /// The pilot's batches are numbered from here.

@@ -1,9 +1,9 @@
 #pragma once
 // The pilot of a reference with several makers: it measures them and decides their shares (makers.h has the theory).
 //
-// It makes few images of several passes each, rather than the reference's groups, because Sobol' points are better the more of
-// them a pixel gets. Each of its rounds has twice the passes of the one before, and leaves out the makers that the one before
-// has outdone, until a few per cent of the work are done that the reference is predicted to take.
+// It makes few images of several passes each, rather than the reference's groups, because Sobol' points are better the
+// more of them a pixel gets. Each of its rounds has twice the passes of the one before, and leaves out the makers that
+// the one before has outdone, until a few per cent of the work are done that the reference is predicted to take.
 
 #include "experiments/plan/experiment_file.h"
 #include "experiments/references/batches.h"

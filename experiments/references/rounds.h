@@ -1,6 +1,6 @@
 #pragma once
-// The rounds of a reference: each adds one batch of equal length to every group. Knows the error so far, and by it how many passes
-// come next (schedule.h) and whether the goal is met.
+// The rounds of a reference: each adds one batch of equal length to every group. Knows the error so far, and by it how
+// many passes come next (schedule.h) and whether the goal is met.
 
 #include "experiments/references/batches.h"
 #include "experiments/references/pilot.h"
@@ -54,8 +54,8 @@ public:
     /// The share of the reference that is done while a round is made, and the seconds that are left; infinite: unknown.
     std::pair<double, double> progress(double passes_of_round) const;
 
-    /// Makes the next round; an interrupted one does not count. `show` receives the passes of the round that are done. Returns the
-    /// makers' images if there are several.
+    /// Makes the next round; an interrupted one does not count. `show` receives the passes of the round that are done.
+    /// Returns the makers' images if there are several.
     RoundImages add(Batches& batches, const std::function<void(double passes)>& show);
     /// Gives up all rounds. The next ones have new seeds.
     void restart();

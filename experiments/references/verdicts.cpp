@@ -16,8 +16,8 @@ namespace {
 /// If one group carries more than this share of the scatter, the standard error is unreliable; Gaussian noise gives
 /// about 0.27 (dominance_of_one_group()).
 constexpr double heavy_tail_share = 0.5;
-/// Noise is skewed if the plain formula of the standard error, with the image's own noise in the denominator, differs from the one
-/// that is free of it by this factor.
+/// Noise is skewed if the plain formula of the standard error, with the image's own noise in the denominator, differs
+/// from the one that is free of it by this factor.
 constexpr double skewed_by = 1.25;
 
 bool holds(const std::vector<Component>& components, Component c) {

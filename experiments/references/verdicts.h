@@ -1,6 +1,6 @@
 #pragma once
-// What is known against a reference: makers that lack light, components that no maker can sample or that a pilot contradicts, and
-// noise whose size is uncertain.
+// What is known against a reference: makers that lack light, components that no maker can sample or that a pilot
+// contradicts, and noise whose size is uncertain.
 
 #include "experiments/references/agreement.h"
 #include "experiments/references/makers.h"
@@ -22,19 +22,21 @@ public:
     /// The components that the reference does not resolve.
     const std::vector<Component>& unresolved() const { return unresolved_; }
 
-    /// Goes on from the tests of an earlier session (MakerAgreement::read()). `unresolved`: the stored reference's, which count
-    /// where the pilots' images are lost, so that doubts cannot be tested again; null: it has none.
+    /// Goes on from the tests of an earlier session (MakerAgreement::read()). `unresolved`: the stored reference's,
+    /// which count where the pilots' images are lost, so that doubts cannot be tested again; null: it has none.
     void read(const std::string& file, const std::string& state, const std::string* unresolved);
     void write(const std::string& file, const std::string& state) const { agreement_.write(file, state); }
     void keep_pilot(const Pilot& pilot);
     /// Keeps the images of a round, in which a unit had so many passes.
     void keep_round(const RoundImages& images, const std::vector<MakerShare>& shares, std::uint32_t passes);
 
-    /// If two makers disagree about a component, the one that has found less light lacks some. If it makes the component, it makes
-    /// no more of it: returns true, and `shares` have changed. The reference has to begin again with new seeds then, so that
-    /// weights do not depend on the images that they weigh. The maker that is left is compared with the pilots at the end.
+    /// If two makers disagree about a component, the one that has found less light lacks some. If it makes the
+    /// component, it makes no more of it: returns true, and `shares` have changed. The reference has to begin again
+    /// with new seeds then, so that weights do not depend on the images that they weigh. The maker that is left is
+    /// compared with the pilots at the end.
     bool leaves_out_lacking(std::vector<MakerShare>& shares);
-    /// Leaves the components unresolved about which a pilot and the finished reference disagree. Returns whether there are any.
+    /// Leaves the components unresolved about which a pilot and the finished reference disagree. Returns whether there
+    /// are any.
     bool compare_with_pilots(const Rounds& rounds);
 
     /// The remarks on the finished reference, made by a label whose first method is `method`.

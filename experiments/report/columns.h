@@ -37,8 +37,8 @@ std::string passes_of(const TableRow& row);
 /// In the order of table.csv.
 const std::vector<RowColumn>& row_columns();
 
-/// The fields of a row, in the order of row_columns() with the ends of the intervals. A number is empty where it was not
-/// measured; its ends then are those of an extrapolation, and a lower bound stands in NAME_lo.
+/// The fields of a row, in the order of row_columns() with the ends of the intervals. A number is empty where it was
+/// not measured; its ends then are those of an extrapolation, and a lower bound stands in NAME_lo.
 std::vector<std::string> csv_fields(const TableRow& row);
 
 }  // namespace gib

@@ -1,6 +1,6 @@
-// One page of a made-up analysis with all sections and most sentences of table.md, the verdict on the terminal and table.csv.
-// tests/experiments/report/golden.txt holds the text as it was read and found right. After a change that is meant, copy the
-// page of this run, whose path the failure names, over it and read the difference.
+// One page of a made-up analysis with all sections and most sentences of table.md, the verdict on the terminal and
+// table.csv. tests/experiments/report/golden.txt holds the text as it was read and found right. After a change that is
+// meant, copy the page of this run, whose path the failure names, over it and read the difference.
 
 #include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
@@ -19,7 +19,8 @@
 namespace gib::test::golden_page_test {
 namespace {
 
-/// Four seeds of a method whose squared relative error is floor + c / t, with images after first, 2 first, ... `last` [s].
+/// Four seeds of a method whose squared relative error is floor + c / t, with images after first, 2 first, ... `last`
+/// [s].
 void add_runs(std::vector<Cell>& cells, const std::string& scene, const std::string& method, double c, double first,
               double last, double floor = 0) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
