@@ -1,6 +1,6 @@
-// One page of a made-up analysis with all sections and most sentences of table.md, the verdict on the terminal and
-// table.csv. tests/experiments/report/golden.txt holds the text as it was read and found right. After a change that is
-// meant, copy the page of this run, whose path the failure names, over it and read the difference.
+// One page of a made-up analysis with all sections and most sentences of table.md, and the verdict on the terminal.
+// tests/experiments/report/golden.txt holds the text as it was read and found right. After a change that is meant, copy
+// the page of this run, whose path the failure names, over it and read the difference.
 
 #include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
