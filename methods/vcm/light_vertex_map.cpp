@@ -20,8 +20,8 @@ constexpr double bytes_per_vertex = 2 * sizeof(LightVertex) + 13;
 /// radius. A bias of order p falls by the share 1 - narrow^p between the two.
 ///
 /// On surfaces, vertices are merged in caustics. There p is 2 where light is smooth, and 1 at the edges of caustics and at rims
-/// that cut the disc: with kernel.h's 2 and r / sqrt(2), the stated bias was 0.16 to 0.64 of the measured one in mean square.
-/// An order of 3/2 states 0.68 (p = 1) to 1.21 (p = 2) of it; measured were 0.8 to 1.14 (README.md). A smaller disc would err
+/// that cut the disc: with kernel.h's 2 and r / sqrt(2), the stated bias was 0.25 to 0.64 of the measured one in mean square.
+/// An order of 3/2 states 0.68 (p = 1) to 1.21 (p = 2) of it; measured were 0.7 to 1.14 (README.md). A smaller disc would err
 /// less and be noisier: that of r / 4 has twice the variance.
 struct BiasRule {
     float narrow;
