@@ -179,8 +179,8 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
-    quality.samples =
-        number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0) * reference_groups;
+    quality.samples = samples_in(shares_in(attribute_in(reference.metadata, "makers")),
+                                 number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0));
     for (const auto& [name, layer] : judgement.layers())
         quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
@@ -286,7 +286,7 @@ bool has_made(const std::string& method, const Reference& reference) {
                                [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
 }
 
-/// The components of the reference that images of a method contradict (reference_agreement.h).
+/// The components of the reference that images of a method contradict (agreement.h).
 std::vector<Contradiction> contradicted_by(const Replicates& replicates, const ResultIndex& index,
                                            const Components& left_out, const Reference& reference) {
     const std::string& method = replicates.cells.front()->method;

@@ -65,8 +65,8 @@ double allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, co
     const auto footing = equal_footing(met, reference, denominators.plain());
     if (!row.footing || !footing) return unmet_energy;
     const double least = std::min(std::abs(row.footing->excess.value), std::abs(footing->excess.value));
-    const bool is_less = row.has_verdict(FootingVerdict::differs) && least * row.footing->unit < unmet_energy;
-    widen(*row.footing, *footing, is_less);
+    const bool is_within_unmet = row.has_verdict(FootingVerdict::differs) && least * row.footing->unit < unmet_energy;
+    widen(*row.footing, *footing, is_within_unmet);
     return unmet_energy;
 }
 

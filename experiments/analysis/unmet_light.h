@@ -1,5 +1,5 @@
 #pragma once
-// Light that one side has not met by chance. Where all replicates of a method are black though the reference shows light, they have no
+// Light that one side has not met by chance: the images (`unmet`) or the reference (`missed`). Where all replicates of a method are black though the reference shows light, they have no
 // scatter that tells a rare path, which would be noise, from one that the method lacks, which is bias. Where the reference rests
 // on few hits and the replicates are brighter, they may be biased, or the reference may have missed light (few_hits.h). Both
 // are allowed for: statements hold only if they hold as well with the other side's light there.

@@ -10,8 +10,9 @@ namespace gib {
 
 namespace {
 
-constexpr double share_to_note = 0.02;  ///< of the image's pixels
-constexpr double sure_excess = 2;       ///< [standard errors]
+constexpr double share_to_note = 0.02;    ///< of the image's pixels
+constexpr double square_of_few_hits = 6;  ///< [squared standard errors], between those of 4 and 5 hits
+constexpr double sure_excess = 2;         ///< [standard errors]
 
 bool is_lit(const Image& image, std::size_t pixel) { return (image.at(pixel) > 0).any(); }
 
@@ -37,7 +38,7 @@ bool rests_on_few_hits(const ReferenceLayer& layer, std::size_t pixel) {
         squares += sqr(double{layer.mean.rgb[i]});
         variances += sqr(double{layer.standard_error->rgb[i]});
     }
-    return squares <= few_hits * variances;
+    return squares <= square_of_few_hits * variances;
 }
 
 std::vector<std::string> notes_of_few_hits(const Reference& reference) {

@@ -1,8 +1,8 @@
 #pragma once
-// Where a reference rests on few hits. If N hits of equal height, each of them in a group of its own, make a pixel, then its mean is
-// sqrt(N) standard errors. Where rare bright paths carry the light, most pixels have met none of them: they are too dark, and their
-// standard errors, which come from the dim hits that were met, are as much too small. Nothing in such a pixel tells what it
-// lacks; images of other methods do.
+// Where a reference rests on few hits. If N hits of equal height, in N of m groups, make a pixel, then its squared mean is
+// N (m - 1) / (m - N) squared standard errors: 5 for 4 of 16, 6.8 for 5. Where rare bright paths carry the light, most pixels have
+// met none of them: they are too dark, and their standard errors, which come from the dim hits that were met, are as much too
+// small. Nothing in such a pixel tells what it lacks; images of other methods do.
 
 #include "experiments/metrics/reference_image.h"
 
@@ -13,9 +13,9 @@ namespace gib {
 
 /// A pixel with fewer hits than this has a standard error that tells little: the 95 % interval of a Poisson mean goes from 1.6 to 11.7
 /// where 5 were counted, and from 0 to 3.7 where none was (Garwood 1936).
-inline constexpr double few_hits = 5;
+inline constexpr int few_hits = 5;
 
-/// Whether mean^2 <= few_hits standard_error^2, summed over the pixel's channels; false without a standard error.
+/// Whether mean^2 <= 6 standard_error^2, summed over the pixel's channels: fewer hits made it. False without a standard error.
 bool rests_on_few_hits(const ReferenceLayer& layer, std::size_t pixel);
 
 /// A sentence for every component of which at least 2 % of the image's pixels have light that rests on few hits. (At the edges of

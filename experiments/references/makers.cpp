@@ -101,7 +101,7 @@ private:
             double variance = mean_of(pixel_variances(pilots_[m].groups, c)) * gain_of_points(m, c), lacking = 0;
             for (std::size_t other = 0; other < pilots_.size(); ++other)
                 if (samples(other, c)) lacking = std::max(lacking, shortfall(of_blocks[m], of_blocks[other]));
-            // Both belong to the mean over all groups; a pass has the variance of all passes times their number.
+            // Both are of the mean over all passes; the variance of one pass is that times their number.
             const double passes = static_cast<double>(pilots_[m].groups.size()) * pilots_[m].passes;
             costs.push_back((variance + lacking) * passes * work_of_pass(m));
         }
@@ -469,6 +469,13 @@ std::vector<MakerShare> shares_in(const std::string& text) {
         shares.push_back(share);
     }
     return shares;
+}
+
+std::uint64_t samples_in(const std::vector<MakerShare>& shares, std::uint64_t units) {
+    std::uint64_t passes = 0;
+    for (const MakerShare& share : shares)
+        passes += share.passes;
+    return reference_groups * units * std::max<std::uint64_t>(passes, 1);
 }
 
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {

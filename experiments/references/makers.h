@@ -8,15 +8,15 @@
 // time and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in
 // proportion to t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
 // these variances as small as possible. If that gains little over the best maker, this one does nine tenths of the work. A second
-// one always gets a tenth, so that there is something to compare with (reference_agreement.h). Where a maker would weigh less than
+// one always gets a tenth, so that there is something to compare with (agreement.h). Where a maker would weigh less than
 // a tenth, it makes none of a component: little is gained by its images, and their rare bright hits might be missing. Weights and shares are fixed before
 // the images that they weigh are made, so the combination is unbiased.
 //
 // Sobol' points make the variance of a pass smaller the more passes a batch has, and a short pilot has few of them. Where it has
 // fallen from the pilot's first round to its last beyond doubt, it is taken to fall on by the same power of their number.
 //
-// Where no unbiased method samples all paths, a consistent one may make the remainder of one of them
-// (MethodDescription::remainder). Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
+// Where a maker leaves out paths, a consistent method may make its remainder (MethodDescription::remainder), even if another maker
+// needs none: the costs count variance alone, and the bias stands in the reference's error. Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
 //
 // A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
 // the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no
@@ -104,6 +104,9 @@ void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t l
 /// As text, for a reference's metadata, and back; empty if the text is none.
 std::string text_of(const std::vector<MakerShare>& shares);
 std::vector<MakerShare> shares_in(const std::string& text);
+
+/// The samples a pixel in `units` units of each group: every maker's passes, of all groups.
+std::uint64_t samples_in(const std::vector<MakerShare>& shares, std::uint64_t units);
 
 /// The images of a unit, and their bias: the weighted sum over its makers.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);

@@ -68,7 +68,7 @@ public:
             if (unsaved_ && now() - saved_at_ > save_interval) save();
             done = good_enough();
         }
-        // Else the file says so already.
+        // Without a new round the stored file names these components already.
         if (verdicts_.compare_with_pilots(rounds_) && result_.rounds_added > 0) unsaved_ = true;
         if (unsaved_) save();
         batches_.remove_all();
@@ -96,6 +96,7 @@ private:
             result_.warnings.push_back(
                 fmt::format("the stored reference cannot be used and is made again: {}", error.what()));
             rounds_.groups = ReferenceGroups();
+            stored_shares_.clear();
             return;
         }
         estimate();
@@ -201,7 +202,7 @@ private:
         const bool has_error = rounds_.groups.passes > 0;
         progress_.update(fraction, has_error ? std::optional(left) : std::nullopt,
                          fmt::format("reference of {}: {} samples a pixel{}", work_.scene.name,
-                                     static_cast<std::uint64_t>(reference_groups) * rounds_.groups.passes,
+                                     samples_in(rounds_.shares, rounds_.groups.passes),
                                      has_error ? fmt::format(", error {:.3g} %", 100 * rounds_.error().value()) : ""));
     }
 

@@ -90,6 +90,7 @@ RoundImages Rounds::add(Batches& batches, const std::function<void(double passes
 }
 
 void Rounds::restart() {
+    pilot.work += groups.work;
     groups.restart();
     pilot.seconds = groups.seconds;
 }

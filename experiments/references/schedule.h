@@ -14,13 +14,13 @@ namespace gib {
 /// The state of a reference between two rounds.
 struct ReferenceState {
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of passes in each group
+    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
     double error = 0;    ///< relative standard error that is to fall to the target; unknown before the first round
     double work = 0;     ///< work of all rounds (MadeBatch::work); 0: unknown
     double seconds = 0;  ///< time of all rounds and the pilot
     double pilot_seconds = 0;  ///< time of the pilot
     double pilot_work = 0;     ///< work of the pilot; 0: there was none
-    double unit_work = 0;      ///< work of one pass of all groups, by the pilot
+    double unit_work = 0;      ///< work of one unit of all groups, by the pilot
     double foreseen_work = 0;  ///< work up to the target, by the pilot; 0: unknown
 };
 

@@ -27,7 +27,7 @@ struct DroppedSamples {
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of passes in each group
+    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
     double seconds = 0;        ///< wall-clock, all rounds and the pilot together
     double work = 0;           ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
@@ -69,7 +69,7 @@ std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint3
 struct MadeBatch {
     ComponentImages images;
     DroppedSamples dropped = {};
-    double work = 0;  ///< rays and camera samples, in those of `path`; the same on every machine, which seconds are not
+    double work = 0;     ///< rays and camera samples, times ray_cost; the same on every machine, which seconds are not
     double seconds = 0;  ///< wall-clock
 };
 

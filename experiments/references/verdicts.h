@@ -27,7 +27,7 @@ public:
     void read(const std::string& file, const std::string& state, const std::string* unresolved);
     void write(const std::string& file, const std::string& state) const { agreement_.write(file, state); }
     void keep_pilot(const Pilot& pilot);
-    /// Keeps the images of a round, in which a unit had so many passes.
+    /// Keeps the images of a round that had `passes` units in each group.
     void keep_round(const RoundImages& images, const std::vector<MakerShare>& shares, std::uint32_t passes);
 
     /// If two makers disagree about a component, the one that has found less light lacks some. If it makes the

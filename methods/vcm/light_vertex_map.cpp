@@ -19,7 +19,8 @@ constexpr double bytes_per_vertex = 2 * sizeof(LightVertex) + 13;
 /// How the bias is estimated: as `factor` times the difference to the estimate from the same vertices within `narrow` times the
 /// radius. A bias of order p falls by the share 1 - narrow^p between the two.
 ///
-/// On surfaces, vertices are merged in caustics. There p is 2 where light is smooth, and 1 at the edges of caustics and at rims
+/// On surfaces, vertices are merged in caustics (with techniques=photon_mapping everywhere: the bias is then stated a tenth too large
+/// where light is smooth). There p is 2 where light is smooth, and 1 at the edges of caustics and at rims
 /// that cut the disc: with kernel.h's 2 and r / sqrt(2), the stated bias was 0.25 to 0.64 of the measured one in mean square.
 /// An order of 3/2 states 0.68 (p = 1) to 1.21 (p = 2) of it; measured were 0.7 to 1.14 (README.md). A smaller disc would err
 /// less and be noisier: that of r / 4 has twice the variance.
@@ -191,7 +192,7 @@ LightVertex::LightVertex(const PathVertex& vertex)
 LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules,
                                const MergeRule& rule, std::uint64_t seed, std::uint64_t& rays)
     : power_of_path_(paths.power / rule.radii.light_paths) {
-    PathRules limited = rules;
+    PathRules limited = rules;  // PhotonPayload::edges has 16 bits
     limited.max_edges = std::min(rules.max_edges, static_cast<int>(std::numeric_limits<std::uint16_t>::max()));
     const std::uint64_t key = combine_keys(seed, merged_walks);
     auto blocks = blocks_within_memory(

@@ -7,10 +7,10 @@
 // next vertex; until then the term of merging at x_i is pending. As n takes rays, the camera's walk asks for it only when the
 // answer is yes, or when there is something to merge.
 //
-// Source: Georgiev 2012 (technique_sums.h). A merge adds its term n^2 to equations 35, 40 and 41 (TechniqueSums::set_from_both()),
+// Source: Georgiev 2012 (technique_sums.h). A merge adds its term n^2 to equations 35, 40, 41, 45 and 46 (TechniqueSums::set_from_both()),
 // or one vertex later (add_earlier()). d_vm is not stored. It is d_vc / n^2 where n is the same at all vertices; here n differs
 // between surfaces and media, so the weight of a merge divides the sum over the other techniques by the n^2 of its own vertex
-// (light_vertex_map.cpp). The density of events in a medium, per length times its scattering coefficient, merging has twice.
+// (light_vertex_map.cpp). In a medium each walk brings the scattering coefficient once, so a merge has it twice; n holds the second.
 
 #include "common/media/medium.h"
 #include "methods/parts/density/place_radius.h"
@@ -36,7 +36,7 @@ inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
 
 /// The radii within which vertices are merged in a pass, and n, by which the density of merging exceeds that of a
 /// connection: the expected number of light paths' vertices that one is merged with, for each that a path has per area (or
-/// volume) there. Equation 20: eta_VCM. Both depend on the place alone, so that the walks from both ends know the same n.
+/// volume) there. Equation 20: eta_VCM. Both depend on the place and its side alone, so that the walks from both ends know the same n.
 struct MergeRadii {
     double light_paths = 0;     ///< N: light paths in a pass
     double on_surfaces = 0;     ///< largest radius on surfaces [scene units]; 0: nothing is merged

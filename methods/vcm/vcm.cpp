@@ -4,8 +4,8 @@
 //
 // Computes: every component. The techniques of bidirectional, and one more for each vertex of a path that follows, seen
 // from the light, on a surface that focuses, as mirrors and glass do: it takes this vertex from both walks. All have
-// weights that sum to 1 (parts/vertices/technique_sums.h). Merging is the only way to make the light of point, spot and
-// directional lights that is focused by specular surfaces and seen through others, and by far the best for small lamps.
+// weights that sum to 1 (parts/vertices/technique_sums.h). No connection makes the light of point, spot and
+// directional lights that is focused by specular surfaces and seen through others; merging does.
 // Elsewhere connections do as well without a bias, and nothing is merged.
 // Parameters: techniques = all (default) | photon_mapping | remainder;
 // sampler = sobol (default) | independent; alpha; radius and volume_radius [of the first pass, fractions of the
@@ -13,7 +13,7 @@
 // photon_mapping is light sampling, paths that find lights, and merging at every vertex; remainder is the part of the image
 // that merging alone can make.
 // Bias: of merging only; it falls with the passes, without a floor. The image carries an estimate of it, from the same
-// vertices within a smaller radius (parts/density/density_estimate.h).
+// vertices within a smaller radius (BiasRule in light_vertex_map.cpp; in media kernel.h).
 // A pass: as many light paths as pixels, but 1024 at least unless the radius is given, whose vertices are kept, and then one
 // path from the camera and one from a light for every pixel.
 // Fails: never; non-finite samples are counted and dropped.

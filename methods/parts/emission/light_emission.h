@@ -35,7 +35,7 @@ public:
         float cos_light;        ///< cosine between the direction and the light's normal; 1 without a surface
         double density;         ///< density as of emission_pdf(), with the light's choice
     };
-    /// Empty where the start belongs to the other kind.
+    /// Empty where the ray belongs to another kind of start than the one that made it.
     std::optional<Start> sample(const Sampler& sampler) const;
 
     /// The power of ordinary starts over the mean of all.

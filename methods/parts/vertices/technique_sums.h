@@ -14,10 +14,9 @@
 //  - d_vcm and d_vc hold sums of squares, as the power heuristic needs them.
 //  - Connections of the first vertex of the camera's walk that can be joined may have several samples, `first_samples`, by which
 //    their density is multiplied (Veach 1997, section 9.2.1); all others have 1.
-//  - The probability of a free flight has a factor for its end, which all techniques share, and the transmittance of the
-//    edge, which every technique but the one that connects this edge has; it is left out of the weights, which keeps
-//    their sum at 1. So are Russian roulette, holes and wavelengths. The density of events in a medium is that per
-//    length times its scattering coefficient.
+//  - A free flight has the density T sigma. All techniques share sigma, the factor of its end. T, the edge's transmittance, is
+//    in all but the technique that connects the edge. Weights leave T out, so that they sum to 1; they also leave out Russian
+//    roulette, holes and wavelengths. The density of events in a medium is that per length times its scattering coefficient.
 //
 // Rules:
 //  - Densities at a surface are per area, so a density per solid angle is multiplied by |cos| / d^2 with the geometric
