@@ -8,8 +8,8 @@ namespace {
 
 /// A chain has converged if its last direction misses the light by less [rad]; one further step then squares the error.
 constexpr double converged = 1e-4;
-constexpr int most_steps = 24;
-constexpr double smallest_damping = 1. / 64;
+constexpr int most_steps = 12;
+constexpr double smallest_damping = 1. / 16;
 /// No step turns the direction at x by more [rad].
 constexpr double longest_step = 0.5;
 
