@@ -13,7 +13,8 @@
 // light that arrives read
 //     M = dc/dw = B^T (dd/dw + (I - o o^T) dp/dw / |y - x_k|),    w <- w - M^-1 c,
 //     dw/dA_y = 1 / (|y - x_k|^2 |det M|),            dw/do = 1 / |det M|,
-// with dA_y across the ray. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
+// with dA_y across the ray. A long step moves x_1 in its tangent plane, and a ray from x carries it back to the
+// surface. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
 
 #include "common/sampling/sampler.h"
 #include "methods/parts/transport/ray_queries.h"
