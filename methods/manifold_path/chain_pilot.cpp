@@ -13,7 +13,8 @@ constexpr std::size_t pixels = 256, pixels_of_block = 16;
 constexpr std::uint64_t paths = 16;  // of a pixel
 /// Share of the choices that follows the first guess: kinds that the pilot has not met are possible.
 constexpr double guessed_share = 0.05;
-constexpr double fewest_samples = 0.1, most_samples = 2;
+// More samples at a point leave the variance between points, which S holds too: on the pool, two gain nothing over one.
+constexpr double fewest_samples = 0.1, most_samples = 1;
 
 /// Light that chains have brought to a pixel.
 struct Found {

@@ -8,9 +8,9 @@ namespace {
 
 /// A chain has converged if its last direction misses the light by less [rad]; one further step then squares the error.
 constexpr double converged = 1e-4;
-constexpr int most_steps = 24;
-constexpr double smallest_damping = 1. / 64;
-/// No step turns the direction at x by more [rad].
+constexpr int most_steps = 12;
+constexpr double smallest_damping = 1. / 16;
+/// No step moves x_1 farther than this, in units of its distance from x.
 constexpr double longest_step = 0.5;
 
 struct Constraint {
@@ -119,6 +119,10 @@ std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const
             const auto next = delta_ray(*hit, -ray.d, transmits);
             if (!next) return std::nullopt;
             bend(chain, scene, *hit, *next, transmits);
+            if (vertex == 0) {
+                chain.first = chain.p;
+                chain.first_dp = chain.dp;
+            }
             chain.weight *= next->weight;
             chain.probability *= next->pdf_w;
             if (vertex == 0) {
@@ -145,17 +149,14 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
     double damping = 1;
     bool is_near = false;
     for (int i = 0; i < most_steps && damping >= smallest_damping; ++i) {
-        const double length = at.step.norm();
-        if (!(length < std::numeric_limits<double>::infinity())) return std::nullopt;  // M is singular
-        const Vec2d step = at.step * (damping * std::min(1., longest_step / length));
-        const Frame frame(chain->w);
-        const Vec3 turned = frame.to_world(Vec3(static_cast<float>(-step.x()), static_cast<float>(-step.y()), 1.f));
+        // The step moves x_1 in its tangent plane, from where the ray from x carries it back to the surface.
+        const Vec3d move = chain->first_dp * at.step, way = chain->first - from.hit.p.cast<double>();
+        if (!move.allFinite()) return std::nullopt;  // M is singular, or the ray grazes the surface
+        const double limit = std::min(1., longest_step * way.norm() / move.norm());
+        const Vec3 turned = (way - damping * limit * move).cast<float>();
         auto next = trace_chain(rays, from, turned.normalized(), events);
         Constraint there = at;
         if (next) there = constraint_of(*next, end);
-        if (getenv("DBG"))
-            fprintf(stderr, "it %d mis %g step %g %g next %d there %g damp %g\n", i, at.mismatch, at.step.x(),
-                    at.step.y(), int(bool(next)), next ? there.mismatch : -1., damping);
         const bool is_nearer = next && there.mismatch < at.mismatch;
         if (is_nearer) {
             chain = std::move(next);

@@ -13,7 +13,8 @@
 // light that arrives read
 //     M = dc/dw = B^T (dd/dw + (I - o o^T) dp/dw / |y - x_k|),    w <- w - M^-1 c,
 //     dw/dA_y = 1 / (|y - x_k|^2 |det M|),            dw/do = 1 / |det M|,
-// with dA_y across the ray. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
+// with dA_y across the ray. A long step moves x_1 in its tangent plane, and a ray from x carries it back to the
+// surface. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
 
 #include "common/sampling/sampler.h"
 #include "methods/parts/transport/ray_queries.h"
@@ -52,15 +53,17 @@ struct ChainEnd {
 struct Chain {
     using Differential = Eigen::Matrix<double, 3, 2>;
 
-    Vec3 w;                                 ///< direction at x, unit
-    Color weight = Color::Ones();           ///< product of f |cos| of the lobes and of what goes straight on
-    float probability = 1.f;                ///< probability that samples of the bsdfs take these lobes
-    std::uint32_t shape = 0, instance = 0;  ///< surface of x_1
-    std::optional<SurfaceHit> last = {};    ///< x_k
-    Vec3 d = Vec3::Zero();                  ///< direction behind x_k
-    const Medium* medium = nullptr;         ///< medium behind x_k
-    bool is_split = false;                  ///< some vertex splits light by wavelength
-    Vec3d p = Vec3d::Zero();                ///< the last vertex so far
+    Vec3 w;                                        ///< direction at x, unit
+    Color weight = Color::Ones();                  ///< product of f |cos| of the lobes and of what goes straight on
+    float probability = 1.f;                       ///< probability that samples of the bsdfs take these lobes
+    std::uint32_t shape = 0, instance = 0;         ///< surface of x_1
+    Vec3d first = Vec3d::Zero();                   ///< x_1
+    Differential first_dp = Differential::Zero();  ///< its derivative by the coordinates of w
+    std::optional<SurfaceHit> last = {};           ///< x_k
+    Vec3 d = Vec3::Zero();                         ///< direction behind x_k
+    const Medium* medium = nullptr;                ///< medium behind x_k
+    bool is_split = false;                         ///< some vertex splits light by wavelength
+    Vec3d p = Vec3d::Zero();                       ///< the last vertex so far
     Differential dp = Differential::Zero(),
                  dd = Differential::Zero();  ///< derivatives of p and d by the coordinates of w
 

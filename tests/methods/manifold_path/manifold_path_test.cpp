@@ -18,10 +18,11 @@ using testing::IsEmpty;
 
 constexpr double index_of_glass = 1.5, reflectance = 0.5;
 
-/// The radiance of the caustic at (x, 0, z) of a floor, from 16 seeds, must be this one within 0.5 % and within four
-/// standard errors, which exceed 5 % of such tests by chance (Student's t of 15 degrees of freedom: 0.12 % each).
+/// The radiance of the caustic at (x, 0, z) of a floor, from 16 seeds, must be this one within a share `allowed` and
+/// within four standard errors, which exceed 5 % of such tests by chance (Student's t of 15 degrees of freedom: 0.12 %
+/// each).
 void expect_caustic(const std::string& body, double x, double z, const std::string& eye, const std::string& label,
-                    double expected, std::uint32_t passes = 1024) {
+                    double expected, std::uint32_t passes = 1024, double allowed = 0.005) {
     const auto scene = scene_of(
         scene_xml(camera(0.01, to_world(look_at(eye, fmt::format("{}, 0, {}", x, z), "0.1, 0.2, 1")), box_film(1)) +
                   shape("rectangle", to_world(scale(10), rotate('x', -90)), diffuse(reflectance)) + body));
@@ -29,7 +30,7 @@ void expect_caustic(const std::string& body, double x, double z, const std::stri
     for (std::uint64_t seed = 1; seed <= 16; ++seed)
         moments.add(mean_of(*render(scene, label + " max_depth=0", passes, seed)[Component::caustic])[0]);
     SCOPED_TRACE(fmt::format("at x = {}", x));
-    EXPECT_NEAR(moments.mean(), expected, 0.005 * expected);
+    EXPECT_NEAR(moments.mean(), expected, allowed * expected);
     EXPECT_LE(std::abs(moments.mean() - expected), 4 * moments.standard_error() + 1e-5 * expected);
 }
 
@@ -116,10 +117,11 @@ TEST(ManifoldPath, PointThroughABallHasItsClosedForm) {
         return x + (y + down) * std::tan(behind);
     };
     const auto share = [](double sine) { return std::pow(1 - fresnel(up * sine), 2); };
-    // Three chains lead to each place near the axis, each from few of the seeds, so that this takes more samples.
-    for (const double r : {0.05, 0.09})
+    // Several chains lead to each place, some of them along the rim, where few seeds lead: samples have five times
+    // their mean as standard deviation, and 131,072 of them an error of 1 to 2 %.
+    for (const double r : {0.02, 0.15, 0.22})
         expect_caustic(body, r, 0, "-2, 0.5, -1.6", "manifold_path chain=2", radiance_at(r, distance, share, 1 / up),
-                       4096);
+                       8192, 0.05);
 }
 
 // The caustic of small lamps is too rare for `path`. Means are compared as same_means.h says: chance fails one of
