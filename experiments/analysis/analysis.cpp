@@ -92,6 +92,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
         row.statistics->bias2.reset();
         row.statistics->rel_bias2.reset();
         row.bias.clear();
+        if (row.footing) row.footing->verdict = FootingVerdict::unresolved;
     }
     add_curve_numbers(row, replicates.cells);
     return row;
@@ -179,8 +180,9 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
                              .target = scene.target,
                              .notes = scene.notes,
                              .epsilon = epsilon};
-    quality.samples = samples_in(shares_in(attribute_in(reference.metadata, "makers")),
-                                 number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0));
+    const auto units = number_from<std::uint64_t>(attribute_in(reference.metadata, "passes")).value_or(0);
+    quality.samples = std::max<std::size_t>(reference.total.groups.size(), 1) *
+                      passes_in(shares_in(attribute_in(reference.metadata, "makers")), units);
     for (const auto& [name, layer] : judgement.layers())
         quality.noise_floors[*layer_named(name)] = least_resolved(*layer, judgement.denominators(epsilon));
     return quality;
@@ -329,7 +331,7 @@ SceneRows rows_of_scene(const ReferenceQuality& quality, const Reference& refere
     for (TableRow& row : all.rows) {
         const Components left_out = analysis.index.left_out_by(quality.scene, row.method).components;
         row.components_missing = light.holding_light(left_out);
-        row.is_unbiased = row.contradicted_in.empty() && is_unbiased_by_theory(row, left_out);
+        row.is_unbiased = row.floor_known && row.contradicted_in.empty() && is_unbiased_by_theory(row, left_out);
         drop_intervals_of_equal_images(row, equal.count(row.method) > 0);
     }
     all.unjudged = light.holding_light(Components(reference.unresolved));

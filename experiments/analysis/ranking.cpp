@@ -24,6 +24,7 @@ double upper_end(const Contender& c) {
 Standing standing_beside(const Contender& best, const Contender& c) {
     if (c.logs.empty()) return Standing::no_image;
     if (!c.is_complete) return Standing::incomplete;
+    if (c.is_close) return Standing::open;
     if (c.known == Contender::Known::equal) {
         if (std::min(best.logs.size(), c.logs.size()) < 2) return Standing::one_seed;
         return are_told_apart(best, c) ? Standing::behind : Standing::tie;
@@ -201,6 +202,8 @@ std::vector<Contender> Contest::to_error(std::size_t target) const {
         }
         c.mean = std::exp(sample_mean(c.logs).value);
         if (c.known == Contender::Known::lower_bounds) {
+            const auto error2 = corrected_rel_mse(*row)->interval;
+            c.is_close = error2 && error2->lo < sqr(error);
             const Field time = time_field(*row, target);
             constexpr double never = std::numeric_limits<double>::infinity();
             // A method that has converged needs no law: more time would not change its image.

@@ -46,6 +46,7 @@ struct Contender {
     std::optional<Interval> by_law = {};  ///< where only bounds are known: 95 % interval of the logarithm by its law
     std::vector<double> pulls = {};       ///< ReplicateStatistics::pulls
     double missed_shift = 0;              ///< ReplicateStatistics::missed_shift
+    bool is_close = false;                ///< has not reached an error that lies within the interval of its own
     double ended = 0;                     ///< mean time of the runs [s]
     double first_image = 0;               ///< time after which all runs have an image [s]
     // Set by ranked() and set_scatter():

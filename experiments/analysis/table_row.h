@@ -54,7 +54,8 @@ struct TableRow {
     std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< those that hold light and of which the method leaves out paths
-    bool is_unbiased = false;            ///< bias^2 is 0 by theory (row_fields.h), and no energy contradicts that
+    bool is_unbiased =
+        false;  ///< bias^2 is 0 by theory (row_fields.h), against a reference of known error, and no energy contradicts that
     /// Layers of the method in which it declares itself unbiased, but has another mean energy than the reference (energy_test.h):
     /// that of the row itself, in the row of the total those of all rows.
     std::vector<Layer> contradicted_in = {};

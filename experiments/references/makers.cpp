@@ -471,11 +471,11 @@ std::vector<MakerShare> shares_in(const std::string& text) {
     return shares;
 }
 
-std::uint64_t samples_in(const std::vector<MakerShare>& shares, std::uint64_t units) {
+std::uint64_t passes_in(const std::vector<MakerShare>& shares, std::uint64_t units) {
     std::uint64_t passes = 0;
     for (const MakerShare& share : shares)
         passes += share.passes;
-    return reference_groups * units * std::max<std::uint64_t>(passes, 1);
+    return units * std::max<std::uint64_t>(passes, 1);
 }
 
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {

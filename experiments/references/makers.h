@@ -105,8 +105,8 @@ void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t l
 std::string text_of(const std::vector<MakerShare>& shares);
 std::vector<MakerShare> shares_in(const std::string& text);
 
-/// The samples a pixel in `units` units of each group: every maker's passes, of all groups.
-std::uint64_t samples_in(const std::vector<MakerShare>& shares, std::uint64_t units);
+/// The passes of all makers in so many units.
+std::uint64_t passes_in(const std::vector<MakerShare>& shares, std::uint64_t units);
 
 /// The images of a unit, and their bias: the weighted sum over its makers.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);

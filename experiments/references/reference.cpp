@@ -202,7 +202,7 @@ private:
         const bool has_error = rounds_.groups.passes > 0;
         progress_.update(fraction, has_error ? std::optional(left) : std::nullopt,
                          fmt::format("reference of {}: {} samples a pixel{}", work_.scene.name,
-                                     samples_in(rounds_.shares, rounds_.groups.passes),
+                                     reference_groups * passes_in(rounds_.shares, rounds_.groups.passes),
                                      has_error ? fmt::format(", error {:.3g} %", 100 * rounds_.error().value()) : ""));
     }
 

@@ -40,9 +40,9 @@ const std::vector<SectionColumn>& section_columns() {
         {in_prices | in_errors, "seconds", "seconds", [](RowRef r) { return measured(r.seconds); }},
         {in_prices | in_errors, "relative RMSE %", "rel_mse_corrected", relative_error_field,
          "root of the mean of (x - r)^2 / (r^2 + epsilon) over pixels and channels, from which the reference's own "
-         "variance is subtracted. Components are divided by the r^2 + epsilon of the total"},
+         "variance is subtracted where it is known. Components are divided by the r^2 + epsilon of the total"},
         {in_noise, "mean squared error [radiance^2]", "", corrected_mse_field,
-         "the reference's own variance is subtracted"},
+         "the reference's own variance is subtracted where it is known"},
         {in_errors | in_noise, "bias^2 [radiance^2]", "bias2", bias2_field,
          "part of the mean squared error that remains when many seeds are averaged"},
         {in_errors | in_noise, "variance [radiance^2]", "variance", variance_field},

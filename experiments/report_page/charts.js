@@ -160,7 +160,7 @@ function sceneCharts(section, scene, state) {
     }));
   const panels = [
     new ChartPanel(section.querySelector(".curve-chart"), "Error against time",
-      "Mean over the seeds with its 95 % band; the reference's own error is subtracted. Below the dashed line the " +
+      "Mean over the seeds with its 95 % band; the reference's own error is subtracted where it is known. Below the dashed line the " +
       "reference resolves nothing. Rings: where labels with a smaller spp stopped. Time is charged wall-clock time, preparation included.", () => ({
         sets: curveSets(scene, state.component, state.metric, state.hidden),
         xAxis: () => axis("logarithmic", "seconds"),

@@ -126,6 +126,7 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     double roots = 0;
     for (std::size_t l = 0; l < lights.size(); ++l) {
         const double S = sqr(root[l]), s = best_samples(S);
+        // Beside delta lights, whose chains are sampled anyway, those of a lamp cost no more.
         is_made[l] =
             is_delta(lights[l]) || (S > 0 && (all.rest + S / s) * (has_delta ? 1 : 1 + s * cost) < all.rest + hits[l]);
         if (is_made[l]) roots += root[l];

@@ -55,16 +55,17 @@ Room card_room() {
 }
 
 /// A lamp of half width 0.01 at z = 1 behind a pane of glass of thickness 0.02. Seen through the pane, the lamp is nearer by a third
-/// of the thickness, and dimmed to (1 - R) / (1 + R) with R = 0.04.
+/// of the thickness, and dimmed to (1 - R)^2 with R = 0.04: paths of five edges are not reflected within the pane. Its sides are far
+/// away, because light that they reflect totally comes along paths of five edges, too.
 Room pane_room() {
     const double distance = 1 - 0.02 * (1 - 1 / 1.5);
     return {test::Scene(view(0.015, "0, 0, 0.2", "0, 0, 0", "0, 1, 0"),
                         shape("rectangle", to_world(scale(0.05)), diffuse(0.5)),
-                        shape("cube", to_world(scale(2, 2, 0.01), translate(0, 0, 0.5)), glass()),
+                        shape("cube", to_world(scale(20, 20, 0.01), translate(0, 0, 0.5)), glass()),
                         shape("rectangle", to_world(scale(0.01), rotate('x', 180), translate(0, 0, 1)), one_sided("0"),
                               area_light(1e4)))
                 .load(),
-            Component::caustic, 0.5 / pi_d * 1e4 * 4e-4 / sqr(distance) * 0.96 / 1.04, "max_depth=5"};
+            Component::caustic, 0.5 / pi_d * 1e4 * 4e-4 / sqr(distance) * sqr(0.96), "max_depth=5"};
 }
 
 /// A black box of half width and height 0.05 under a sky of radiance 100, which shines through a hole of 0.001 in the middle of its top.

@@ -4,7 +4,8 @@
 // section 4.
 //
 // A sample at x draws the kind of a chain: a light, the shape of x_1, and the events (reflection, transmission) of 1 to
-// `longest` vertices, with the probability q; then a point y of the light. A seed is a uniform point of the shape:
+// `longest` vertices, with the probability q (times the mean number of samples, where there are more or fewer than one); then a point
+// y of the light. A seed is a uniform point of the shape:
 // Newton's method starts from the direction of the ray from x to there, or often from that to y, if the shape lies
 // there. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one does; their
 // number n has the mean 1 / p (Zeltner 2020, section 4.3), and

@@ -14,7 +14,8 @@
 //     M = dc/dw = B^T (dd/dw + (I - o o^T) dp/dw / |y - x_k|),    w <- w - M^-1 c,
 //     dw/dA_y = 1 / (|y - x_k|^2 |det M|),            dw/do = 1 / |det M|,
 // with dA_y across the ray. A long step moves x_1 in its tangent plane, and a ray from x carries it back to the
-// surface. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
+// surface. Unlike in Zeltner 2020, the unknown is the direction at x and not the place of x_1, and the constraint is a difference of
+// directions at x_k and not of half vectors. dw/dA_y is the generalised geometric term of Jakob and Marschner, without the cosine at x.
 
 #include "common/sampling/sampler.h"
 #include "methods/parts/transport/ray_queries.h"

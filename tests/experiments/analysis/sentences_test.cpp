@@ -229,6 +229,19 @@ TEST(Ties, OneSeedOfARivalIsNoTie) {
     EXPECT_EQ(scene_look(analysis, "box").methods.at(0).beside, "best, one seed does not tell: `one`");
 }
 
+// Its true error may be the one that was asked for: nothing tells that it takes longer.
+TEST(Ties, WhoMayHaveReachedAnErrorIsNotBehind) {
+    Analysis analysis = analysis_of(joined({runs("quick", 1e-3, 0.5, 8), runs("close", 2.6e-2, 0.5, 8)}));
+    const auto standing = [&](double lowest) {
+        const auto row = std::ranges::find(analysis.rows, "close", &TableRow::method);
+        auto& statistics = *row->statistics;
+        statistics.rel_mse.interval = Interval{statistics.rel_mse.value - statistics.rel_mse_corrected + lowest, 1};
+        return of_method(Contest(analysis, "box").to_error(1), "close").standing;  // 5 %
+    };
+    EXPECT_EQ(standing(2.4e-3), Standing::open);
+    EXPECT_EQ(standing(2.6e-3), Standing::behind);
+}
+
 TEST(BusyMachine, IsSeenByThreadsThatWait) {
     Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
     for (Cell& cell : analysis.cells)
