@@ -20,7 +20,8 @@ double allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, co
 
 /// Widens the intervals of all errors, of bias^2 and of the difference in energy of a row, which are those of `images`, until
 /// they hold those against a reference that also has the light `missed` (light_missed_by()). Sets missed_shift, and
-/// adds the squared relative error of `missed` to the row's noise floor. The energy neither agrees nor differs unless it does in both cases.
+/// adds the squared relative error of `missed` to the row's noise floor. The energy neither agrees nor differs unless it does in
+/// both cases.
 void allow_for_missed_light(TableRow& row, const std::vector<Image>& images, const Image& missed,
                             const ReferenceLayer& reference, const Denominators& denominators);
 

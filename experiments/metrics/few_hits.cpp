@@ -1,6 +1,7 @@
 #include "experiments/metrics/few_hits.h"
 
 #include "common/core/math.h"
+#include "experiments/metrics/student_t.h"
 
 #include <fmt/format.h>
 
@@ -15,19 +16,6 @@ constexpr double square_of_few_hits = 6;  ///< [squared standard errors], betwee
 constexpr double sure_excess = 2;         ///< [standard errors]
 
 bool is_lit(const Image& image, std::size_t pixel) { return (image.at(pixel) > 0).any(); }
-
-/// Mean of value i over the images, and the variance of this mean.
-struct ValueMean {
-    double mean = 0, variance = 0;
-
-    ValueMean(const std::vector<Image>& images, std::size_t i) {
-        const auto n = static_cast<double>(images.size());
-        for (const Image& x : images)
-            mean += double{x.rgb[i]} / n;
-        for (const Image& x : images)
-            variance += sqr(double{x.rgb[i]} - mean) / (n * (n - 1));
-    }
-};
 
 }  // namespace
 
@@ -62,12 +50,15 @@ std::vector<std::string> notes_of_few_hits(const Reference& reference) {
 Image light_missed_by(const ReferenceLayer& reference, const std::vector<Image>& images) {
     Image missed(reference.mean.width, reference.mean.height);
     if (images.size() < 2 || !reference.standard_error) return missed;
+    std::vector<double> values(images.size());
     for (std::size_t pixel = 0; pixel < missed.pixels(); ++pixel) {
         if (!rests_on_few_hits(reference, pixel)) continue;
         for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-            const ValueMean x(images, i);
-            const double excess = x.mean - double{reference.mean.rgb[i]};
-            const double variance = x.variance + sqr(double{reference.standard_error->rgb[i]});
+            for (std::size_t n = 0; n < images.size(); ++n)
+                values[n] = double{images[n].rgb[i]};
+            const SampleMean x = sample_mean(values);
+            const double excess = x.value - double{reference.mean.rgb[i]};
+            const double variance = x.variance.variance + sqr(double{reference.standard_error->rgb[i]});
             if (excess > sure_excess * std::sqrt(variance)) missed.rgb[i] = static_cast<float>(excess);
         }
     }

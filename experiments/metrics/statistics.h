@@ -57,7 +57,8 @@ struct ReplicateStatistics {
     /// the reference R moves by G_g - R (first order, no unit; ranking.h). Empty without groups, and where rel_mse_corrected is
     /// not positive.
     std::vector<double> pulls = {};
-    /// How much log rel_mse_corrected changes if the reference has missed the light that it may have missed; <= 0 (analysis/unmet_light.h).
+    /// How much log rel_mse_corrected changes if the reference has missed the light that it may have missed; <= 0
+    /// (analysis/unmet_light.h).
     double missed_shift = 0;
 };
 

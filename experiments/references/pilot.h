@@ -17,7 +17,7 @@
 
 namespace gib {
 
-/// What the pilot has taken, and what it foresees.
+/// The costs of the pilot, and the work that it foresees.
 struct PilotCosts {
     double seconds = 0, work = 0;  ///< of the pilot
     double unit_work = 0;          ///< work of a unit of all groups of the reference

@@ -1,5 +1,5 @@
 #pragma once
-// What is known against a reference: makers that lack light, components that no maker can sample or that a pilot
+// The doubts about a reference: makers that lack light, components that no maker can sample or that a pilot
 // contradicts, and noise whose size is uncertain.
 
 #include "experiments/references/agreement.h"

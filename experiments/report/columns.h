@@ -14,7 +14,7 @@ namespace gib {
 /// A field of a table.
 using Shown = std::variant<std::string, Field>;
 
-/// What a row has in a column: a number with its state, or words.
+/// The entry of a row in a column: a number with its state, or words.
 using RowValue = std::variant<Field (*)(const TableRow&), std::string (*)(const TableRow&)>;
 Shown shown(const RowValue& value, const TableRow& row);
 

@@ -56,7 +56,7 @@ TableRow judged(const std::vector<Image>& images, const ReferenceLayer& referenc
     return row;
 }
 
-/// Of 100 references, the number of those whose interval holds the true error; and the mean of their upper ends over it.
+/// The number of references out of 100 whose interval holds the true error, and the mean of their upper ends over it.
 std::pair<int, double> coverage(double hits, bool allows) {
     std::mt19937 random(11);
     int held = 0;
