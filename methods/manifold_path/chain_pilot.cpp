@@ -39,7 +39,8 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
     RayQueries rays(scene);
     std::size_t pixel = 0;
     double by_chains = 0;
-    const auto tell = [&](const PathWalk& walk, const std::optional<ChainSampler::Sample>& sample, std::uint64_t took) {
+    const auto keep_sample = [&](const PathWalk& walk, const std::optional<ChainSampler::Sample>& sample,
+                                 std::uint64_t took) {
         block.chain_rays += took;
         const double light = sample ? double{luminance(walk.at.beta * sample->light.sum())} : 0.;
         if (!sample || !std::isfinite(light)) return;
@@ -51,7 +52,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
     for (std::uint64_t path = 0; path < paths; ++path) {
         pixel = 0;
         for_paths_over_image(rays, pilot_seed + path, begin, end, pixels, [&](const TracedRay& eye, const Sampler& u) {
-            ChainDirections directions(chains, counts, tell);
+            ChainDirections directions(chains, counts, keep_sample);
             by_chains = 0;
             const PixelSample sample = trace_path_in(directions, rays, eye, u, max_edges, true);
             double light = 0;
