@@ -45,7 +45,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
         const double light = sample ? double{luminance(walk.at.beta * sample->light.sum())} : 0.;
         if (!sample || !std::isfinite(light)) return;
         by_chains += light;
-        const double hits = sample->hit_moment > 0 ? sqr(light) / double{sample->hit_moment} : 0.;
+        const double hits = sqr(light) * double{sample->hits_over_square};
         block.pixels[pixel].found.push_back({sample->kind, sqr(light) * double{sample->q}, hits});
     };
     std::vector<double> sum(end - begin), squares(end - begin);

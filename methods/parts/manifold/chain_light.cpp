@@ -30,9 +30,8 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 /// 1e-4 for the rounding of p in single precision, which chains magnify. Different chains are hundredths apart and more.
 bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
 
-/// Share of the seeds that begin in the direction of the light, if the chain's surface lies there (Hanika et al. 2015).
-/// Through slabs and waves they mostly find a chain; the other quarter is for chains that they do not find.
-constexpr float straight_share = 0.75f;
+/// Probability of a search for other chains where the direction of the light has led to one.
+constexpr double further_searches = 0.25;
 
 /// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
 /// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
@@ -166,63 +165,75 @@ std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const S
     }
     const ChainEnd end = end_on(scene_.lights()[kind.light], y);
     const float side = hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local));
-    const Vec3 straight = end.at_infinity ? end.p : Vec3(end.p - hit.p).normalized();
-    const bool may_be_ahead = kind.events.transmits_at(0) && straight.squaredNorm() > 0.5f;
-    const auto ahead = may_be_ahead ? walk.rays.intersect(hit.spawn_ray(straight)) : std::nullopt;
-    const bool is_ahead = ahead && ahead->shape == surface.shape && ahead->instance == surface.instance;
+    const auto is_seen = [&](const Vec3& w) { return w.squaredNorm() > 0.5f && w.dot(hit.shading.n) * side >= 0.f; };
     std::uint64_t trials = 0;
-    const auto find = [&]() -> std::optional<Chain> {
+    const auto find_from = [&](const Vec3& w) -> std::optional<Chain> {
         ++trials;
-        const auto is_seen = [&](const Vec3& w) {
-            return w.squaredNorm() > 0.5f && w.dot(hit.shading.n) * side >= 0.f;
-        };
-        Vec3 w = straight;
-        const bool goes_straight = is_ahead && is_seen(w) && u.next() < straight_share;
-        // Points below the horizon of x are drawn again.
-        for (int i = 0; !goes_straight && (i == 0 || (i < most_redraws && !is_seen(w))); ++i)
-            w = (seed_point(surface, u) - hit.p).normalized();
-        if (!is_seen(w)) return std::nullopt;
         auto chain = find_chain(walk.rays, start, w, kind.events, end);
         if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
         return chain;
     };
-    const auto chain = find();
-    counts.trials.fetch_add(trials, std::memory_order_relaxed);
-    if (!chain) return std::nullopt;
-    const auto light = light_at(*chain, kind.light, y);
-    LobeValues f = scattered(hit, wo_local, chain->w);
-    if (!light || is_black(light->Le) || is_black(f.sum())) return std::nullopt;
-    const Densities by = densities(start, wo_local, *chain, end, *light, choice.index);
-    if (!by.prefer_chains()) return std::nullopt;
+    const auto find_by_seed = [&]() -> std::optional<Chain> {
+        Vec3 w = Vec3::Zero();
+        // Points below the horizon of x are drawn again.
+        for (int i = 0; i == 0 || (i < most_redraws && !is_seen(w)); ++i)
+            w = (seed_point(surface, u) - hit.p).normalized();
+        return is_seen(w) ? find_from(w) : std::nullopt;
+    };
 
-    Color arriving = light->Le / static_cast<float>(by.chains);
-    if (scene_.has_media()) {
-        const auto whole = trace_chain(walk.rays, start, chain->w, kind.events, &u);
-        if (!whole) return std::nullopt;
-        arriving *=
-            whole->weight * walk.rays.transmittance(offset_origin(*chain->last, light->wi), whole->medium, *light, u);
-    } else {
-        arriving *= chain->weight * walk.rays.visibility(*chain->last, *light);
-    }
-    if (splits && chain->is_split) arriving *= stratum_weight(*start.stratum);
-    if (is_black(arriving)) return std::nullopt;
+    Sample sample{.kind = choice.index, .q = static_cast<float>(samples_) * choice.probability};
+    float light = 0.f, hits = 0.f;  // luminance that has been added, and its square if hits made it
+    // Adds a chain that is found with the probability 1 / n. `n_of` is called if it brings light.
+    const auto add = [&](const Chain& chain, auto&& n_of) {
+        const auto seen = light_at(chain, kind.light, y);
+        LobeValues f = scattered(hit, wo_local, chain.w);
+        if (!seen || is_black(seen->Le) || is_black(f.sum())) return;
+        const Densities by = densities(start, wo_local, chain, end, *seen, choice.index);
+        if (!by.prefer_chains()) return;
+        Color arriving = seen->Le / static_cast<float>(by.chains);
+        if (scene_.has_media()) {
+            const auto whole = trace_chain(walk.rays, start, chain.w, kind.events, &u);
+            if (!whole) return;
+            const Vec3 from = offset_origin(*chain.last, seen->wi);
+            arriving *= whole->weight * walk.rays.transmittance(from, whole->medium, *seen, u);
+        } else {
+            arriving *= chain.weight * walk.rays.visibility(*chain.last, *seen);
+        }
+        if (splits && chain.is_split) arriving *= stratum_weight(*start.stratum);
+        if (is_black(arriving)) return;
+        counts.chains.fetch_add(1, std::memory_order_relaxed);
+        const auto n = static_cast<float>(n_of());
+        f.diffuse *= arriving * n;
+        f.specular *= arriving * n;
+        sample.light.diffuse += f.diffuse;
+        sample.light.specular += f.specular;
+        light += luminance(f.sum());
+        hits += by.hits > 0 ? sqr(luminance(f.sum())) / (n * static_cast<float>(by.hits / by.chains)) : 0.f;
+    };
 
-    counts.chains.fetch_add(1, std::memory_order_relaxed);
-    trials = 0;
-    bool is_found_again = false;
-    while (!is_found_again && trials < most_trials) {
-        const auto again = find();
-        is_found_again = again && is_same(*again, *chain);
+    const Vec3 straight = end.at_infinity ? end.p : Vec3(end.p - hit.p).normalized();
+    const bool may_be_ahead = kind.events.transmits_at(0) && is_seen(straight);
+    const auto ahead = may_be_ahead ? walk.rays.intersect(hit.spawn_ray(straight)) : std::nullopt;
+    const bool is_ahead = ahead && ahead->shape == surface.shape && ahead->instance == surface.instance;
+    const auto first = is_ahead ? find_from(straight) : std::nullopt;
+    if (first) add(*first, [] { return 1; });
+    const double searches = first ? further_searches : 1;
+    if (double{u.next()} < searches) {
+        const auto other = find_by_seed();
+        if (other && !(first && is_same(*other, *first)))
+            add(*other, [&] {
+                for (std::uint32_t n = 1; n <= most_trials; ++n) {
+                    const auto again = find_by_seed();
+                    if (again && is_same(*again, *other)) return n / searches;
+                }
+                counts.lost.fetch_add(1, std::memory_order_relaxed);
+                return std::numeric_limits<double>::quiet_NaN();
+            });
     }
     counts.trials.fetch_add(trials, std::memory_order_relaxed);
-    if (!is_found_again) {
-        counts.lost.fetch_add(1, std::memory_order_relaxed);
-        arriving *= std::numeric_limits<float>::quiet_NaN();
-    }
-    f.diffuse *= arriving * static_cast<float>(trials);
-    f.specular *= arriving * static_cast<float>(trials);
-    return Sample{f, choice.index, static_cast<float>(samples_) * choice.probability,
-                  static_cast<float>(by.hits / by.chains * static_cast<double>(trials))};
+    if (light == 0.f) return std::nullopt;
+    sample.hits_over_square = hits / sqr(light);
+    return sample;
 }
 
 }  // namespace gib

@@ -4,14 +4,17 @@
 // section 4.
 //
 // A sample at x draws the kind of a chain: a light, the shape of x_1, and the events (reflection, transmission) of 1 to
-// `longest` vertices, with the probability q (times the mean number of samples, where there are more or fewer than one); then a point
-// y of the light. A seed is a uniform point of the shape:
-// Newton's method starts from the direction of the ray from x to there, or often from that to y, if the shape lies
-// there. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one does; their
-// number n has the mean 1 / p (Zeltner 2020, section 4.3), and
+// `longest` vertices, with the probability q (times the mean number of samples, where there are more or fewer than one);
+// and a point y of the light. Newton's method starts from a direction at x, and leads to one chain or to none.
+// 1. If x_1 transmits and its shape lies between x and y, the start is the direction of y (Hanika 2015). Nothing is random
+//    in this, so that the chain that it leads to has the probability 1.
+// 2. Other chains are sought from a seed, the ray from x to a uniform point of the shape; if there is a first chain, with
+//    the probability r. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one
+//    does; their number n has the mean 1 / p (Zeltner 2020, section 4.3). The first chain is no other.
+// With n = 1 for the first chain and n / r for another,
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
-// is an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a sample
-// of y would bring to x_k: Le cos_y / (pdf_a r^2).
+// sums to an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a
+// sample of y would bring to x_k: Le cos_y / (pdf_a r^2).
 //
 // Samples of the bsdf hit lamps too. Their density over directions at x is pdf_w(w) P, with the probability P of the
 // chain's lobes; that of chains is q pdf_w(y) |det M| / n. The larger of the two, with a constant for n, makes the path
@@ -28,8 +31,8 @@ namespace gib {
 
 /// Counts of a run, over all threads.
 struct ChainCounts {
-    std::atomic<std::uint64_t> chains = 0;  ///< found
-    std::atomic<std::uint64_t> trials = 0;  ///< seeds, the first ones included
+    std::atomic<std::uint64_t> chains = 0;  ///< that brought light
+    std::atomic<std::uint64_t> trials = 0;  ///< starts of Newton's method
     std::atomic<std::uint64_t> lost = 0;    ///< chains that most_trials did not find again
 };
 
@@ -60,10 +63,11 @@ public:
     bool empty() const { return !(choice_.size() > 0 && choice_.total() > 0); }
 
     struct Sample {
-        LobeValues light;  ///< radiance [W/(sr m^2)] that the hit scatters
+        LobeValues light = {};  ///< radiance [W/(sr m^2)] that the hit scatters
         std::size_t kind;
-        float q;           ///< mean number of samples of the kind at a point
-        float hit_moment;  ///< light^2 / hit_moment has the mean that light^2 has if samples of the bsdf hit the light
+        float q;  ///< mean number of samples of the kind at a point
+        /// light^2 times this has the mean that light^2 has if samples of the bsdf hit the light; 0: they cannot
+        float hits_over_square = 0.f;
     };
     /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices
     /// that this makes, divided by samples(). Empty if it found none.
