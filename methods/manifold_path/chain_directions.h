@@ -6,8 +6,8 @@
 
 namespace gib {
 
-/// A class of directions for trace_path_in(). `OnSample` is called for each sample of the chains: (PathWalk, optional
-/// Sample, number of its rays).
+/// A class of directions for trace_path_in(). `OnSample` is called for each sample of the chains: (PathWalk, Sample, number of its
+/// rays).
 template <typename OnSample>
 class ChainDirections : public BsdfDirections {
 public:
@@ -26,9 +26,11 @@ public:
             const std::uint64_t before = walk.rays.count();
             const auto sample = chains_.sample(walk, hit, wo_local, edges_left - 1, counts_);
             on_sample_(walk, sample, walk.rays.count() - before);
-            if (!sample) continue;
-            add(LobeKind::diffuse, sample->light.diffuse);
-            add(LobeKind::specular, sample->light.specular);
+            for (const auto& found : sample) {
+                if (!found) continue;
+                add(LobeKind::diffuse, found->light.diffuse);
+                add(LobeKind::specular, found->light.specular);
+            }
         }
     }
 

@@ -41,14 +41,16 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
     RayQueries rays(scene);
     std::size_t pixel = 0;
     double by_chains = 0;
-    const auto keep_sample = [&](const PathWalk& walk, const std::optional<ChainSampler::Sample>& sample,
-                                 std::uint64_t took) {
+    const auto keep_sample = [&](const PathWalk& walk, const ChainSampler::Sample& sample, std::uint64_t took) {
         block.chain_rays += took;
-        const double light = sample ? double{luminance(walk.at.beta * sample->light.sum())} : 0.;
-        if (!sample || !std::isfinite(light)) return;
-        by_chains += light;
-        const double hits = sqr(light) * double{sample->hits_over_square};
-        block.pixels[pixel].found.push_back({sample->number, sqr(light) * double{sample->q}, hits});
+        for (const auto& found : sample) {
+            if (!found) continue;
+            const double light = double{luminance(walk.at.beta * found->light.sum())};
+            if (!(std::isfinite(light) && light > 0)) continue;
+            by_chains += light;
+            const double hits = found->hits * sqr(light / double{luminance(found->light.sum())});
+            block.pixels[pixel].found.push_back({found->number, sqr(light) * found->q, hits});
+        }
     };
     std::vector<double> sum(end - begin), squares(end - begin);
     for (std::uint64_t path = 0; path < paths; ++path) {
@@ -111,18 +113,22 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     parallel_blocks(pixels, pixels_of_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         blocks[block] = follow_paths(scene, chains, max_edges, begin, end);
     });
-    const Moments all(chains.size(), blocks);
+    const Moments all(chains.size() + scene.lights().size(), blocks);
     const double cost = all.cost();
     // The second moments of both ways to make the chains of each light: of chains, if kinds are drawn in proportion to the
     // roots of theirs at each place.
     const auto& lights = scene.lights();
     std::vector<double> moment(lights.size()), hits(lights.size()), root(lights.size() * chains.places());
-    for (std::size_t i = 0; i < all.chains.size(); ++i) {
+    for (std::size_t i = 0; i < chains.size(); ++i) {
         root[i / chains.kinds()] += std::sqrt(all.chains[i]);
         hits[i / chains.kinds() / chains.places()] += all.hits[i];
     }
     for (std::size_t table = 0; table < root.size(); ++table)
         moment[table / chains.places()] += sqr(root[table]);
+    for (std::size_t l = 0; l < lights.size(); ++l) {
+        moment[l] += all.chains[chains.number_of_straight(l)];
+        hits[l] += all.hits[chains.number_of_straight(l)];
+    }
     const auto best_samples = [&](double S) {
         if (!(S > 0)) return 1.;
         return std::clamp(std::sqrt(S / (std::max(all.rest, 1e-6 * S) * cost)), fewest_samples, most_samples);

@@ -34,7 +34,7 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
 
 /// Probability of a search for other chains where the direction of the light has led to one.
-constexpr double further_searches = 0.25;
+constexpr double further_searches = 0.5;
 
 /// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
 /// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
@@ -115,16 +115,38 @@ std::size_t ChainSampler::find_surface(std::uint32_t shape, std::uint32_t instan
     return static_cast<std::size_t>(std::find_if(surfaces_.begin(), surfaces_.end(), is_it) - surfaces_.begin());
 }
 
-std::size_t ChainSampler::surface_ahead(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const {
-    const Vec3 straight = direction_to(end, x.p);
-    const auto ahead = straight.squaredNorm() > 0.5f ? rays.intersect(x.spawn_ray(straight)) : std::nullopt;
-    return ahead ? find_surface(ahead->shape, ahead->instance) : surfaces_.size();
+std::optional<ChainSampler::Kind> ChainSampler::straight_kind(RayQueries& rays, const SurfaceHit& x,
+                                                              const ChainEnd& end) const {
+    const Vec3 d = direction_to(end, x.p);
+    if (!(d.squaredNorm() > 0.5f)) return std::nullopt;
+    const float length = end.at_infinity ? std::numeric_limits<float>::infinity() : (end.p - x.p).norm();
+    std::size_t first = surfaces_.size();
+    int vertices = 0;
+    for (Ray ray = x.spawn_ray(d);;) {
+        const auto hit = rays.intersect(ray);
+        if (!hit || (hit->p - x.p).norm() >= length * (1 - 1e-4f)) break;
+        if (makes_chains(*hit)) {
+            if (!hit->bsdf->traits().transmission || ++vertices > longest_) return std::nullopt;
+            if (vertices == 1) first = find_surface(hit->shape, hit->instance);
+        } else if (is_black(hit->straight_on(d))) {
+            return std::nullopt;
+        }
+        ray = hit->spawn_ray(d);
+    }
+    if (first == surfaces_.size()) return std::nullopt;
+    return Kind{first, {vertices, (1u << vertices) - 1}};
 }
 
-/// Surfaces from most_places - 2 on share a table; places() - 1 is nothing ahead.
-std::size_t ChainSampler::table_of(std::size_t light, std::size_t ahead) const {
-    const std::size_t place = ahead == surfaces_.size() ? places() - 1 : std::min(ahead, places() - 2);
-    return light * places() + place;
+/// Surfaces from most_places - 2 on share a table; places() - 1 is none.
+std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>& straight) const {
+    return light * places() + (straight ? std::min(straight->surface, places() - 2) : places() - 1);
+}
+
+double ChainSampler::deciding_q(std::size_t light, const std::optional<Kind>& straight, const Kind& kind) const {
+    const double q = samples_ * double{lights_.probability(light)};
+    if (straight && *straight == kind) return q;
+    return q * (straight ? further_searches : 1) *
+           double{kinds_[table_of(light, straight)].probability(number_of(kind))};
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -153,118 +175,161 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
                        .target = shadow_ray_target(y, chain.last->p)};
 }
 
-/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path;
-/// for delta lights those over lights.
-ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
-                                                const ChainEnd& end, const LightSample& light, double q) const {
-    const Vec3 wi_local = start.hit.shading.to_local(chain.w);
-    return {q * double{light.pdf_w} * determinant_of(chain, end),
-            light.delta ? 0. : double{start.hit.bsdf->pdf_w_local(wo_local, wi_local) * chain.probability}};
-}
+namespace {
+
+/// Densities over directions at x [1/sr] with which chains of q = 1 and one trial, and hits, make a path; for delta lights
+/// over lights.
+struct Densities {
+    double chains, hits;
+
+    Densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain, const ChainEnd& end,
+              const LightSample& light)
+        : chains(double{light.pdf_w} * determinant_of(chain, end)),
+          hits(light.delta ? 0.
+                           : double{start.hit.bsdf->pdf_w_local(wo_local, start.hit.shading.to_local(chain.w)) *
+                                    chain.probability}) {}
+    bool prefer_chains(double q) const { return q * chains > ChainSampler::least_advantage * hits; }
+};
+
+}  // namespace
 
 bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
                          const ChainEvents& events, const SurfaceHit& y) const {
-    const double of_light = double{lights_.probability(y.light)};
-    if (!(of_light > 0) || events.length < 1 || events.length > longest_) return false;
+    if (!(lights_.probability(y.light) > 0.f) || events.length < 1 || events.length > longest_) return false;
     const auto chain = trace_chain(rays, start, w, events);
     if (!chain) return false;
     const auto light = light_at(*chain, y.light, y);
     const std::size_t surface = find_surface(chain->shape, chain->instance);
     if (!light || surface == surfaces_.size()) return false;
     const ChainEnd end{y.p, false};
-    const DiscreteDistribution& kinds = kinds_[table_of(y.light, surface_ahead(rays, start.hit, end))];
-    const double q = samples_ * of_light * double{kinds.probability(number_of({surface, events}))};
-    return densities(start, wo_local, *chain, end, *light, q).prefer_chains();
+    const double q = deciding_q(y.light, straight_kind(rays, start.hit, end), {surface, events});
+    return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
 
-std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
-                                                         int longest, ChainCounts& counts) const {
-    NumberStream& u = walk.flights;
-    const auto choice = lights_.sample(u.next());
-    const std::size_t of = choice.index;
-    SurfaceGeometry y{};
-    if (const auto* lamp = std::get_if<AreaLight>(&scene_.lights()[of])) {
-        const float first = u.next(), second = u.next();
-        y = lamp->surface.sample_geometry(scene_.shapes()[lamp->shape], {first, second});
+/// The chains from a hit to a point of a light.
+class ChainSampler::Search {
+public:
+    Search(const ChainSampler& chains, PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, std::size_t light)
+        : chains_(chains),
+          walk_(walk),
+          wo_local_(wo_local),
+          light_(static_cast<std::uint32_t>(light)),
+          side_(hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local))),
+          start_{hit, walk.at.medium, walk.at.stratum} {
+        const Scene& scene = chains.scene_;
+        NumberStream& u = walk.flights;
+        if (const auto* lamp = std::get_if<AreaLight>(&scene.lights()[light])) {
+            const float first = u.next(), second = u.next();
+            y_ = lamp->surface.sample_geometry(scene.shapes()[lamp->shape], {first, second});
+        }
+        end_ = end_on(scene.lights()[light], y_);
+        splits_ = scene.has_dispersion() && !start_.stratum;
+        if (splits_) start_.stratum = static_cast<int>(wavelength_strata * u.next());
+        straight_ = chains.straight_kind(walk.rays, hit, end_);
     }
-    const ChainEnd end = end_on(scene_.lights()[of], y);
-    const std::size_t ahead = surface_ahead(walk.rays, hit, end), table = table_of(of, ahead);
-    if (!(kinds_[table].total() > 0)) return std::nullopt;
-    const auto kind_choice = kinds_[table].sample(choice.u);
-    const Kind kind = kind_of(kind_choice.index);
-    const Surface& surface = surfaces_[kind.surface];
-    if (kind.events.length > longest) return std::nullopt;
-    Sample sample{.number = table * kinds() + kind_choice.index,
-                  .q = static_cast<float>(samples_) * choice.probability * kind_choice.probability};
-    ChainStart start{hit, walk.at.medium, walk.at.stratum};
-    const bool splits = scene_.has_dispersion() && !start.stratum;
-    if (splits) start.stratum = static_cast<int>(wavelength_strata * u.next());
-    const float side = hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local));
-    const auto is_seen = [&](const Vec3& w) { return w.squaredNorm() > 0.5f && w.dot(hit.shading.n) * side >= 0.f; };
-    std::uint64_t trials = 0;
-    const auto find_from = [&](const Vec3& w) -> std::optional<Chain> {
-        ++trials;
-        auto chain = find_chain(walk.rays, start, w, kind.events, end);
-        if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
-        return chain;
-    };
-    const auto find_by_seed = [&]() -> std::optional<Chain> {
+
+    const std::optional<Kind>& straight() const { return straight_; }
+    std::uint64_t trials() const { return trials_; }
+
+    /// The chain that the straight line leads to.
+    std::optional<Chain> find_straight() { return find_from(*straight_, direction_to(end_, start_.hit.p)); }
+    std::optional<Chain> find_by_seed(const Kind& kind) {
         Vec3 w = Vec3::Zero();
         // Points below the horizon of x are drawn again.
         for (int i = 0; i == 0 || (i < most_redraws && !is_seen(w)); ++i)
-            w = (seed_point(surface, u) - hit.p).normalized();
-        return is_seen(w) ? find_from(w) : std::nullopt;
-    };
-
-    float light = 0.f, hits = 0.f;  // luminance that has been added, and its square if hits made it
-    // Adds a chain that is found with the probability 1 / n. `n_of` is called if it brings light.
-    const auto add = [&](const Chain& chain, auto&& n_of) {
-        const auto seen = light_at(chain, static_cast<std::uint32_t>(of), y);
-        LobeValues f = scattered(hit, wo_local, chain.w);
-        if (!seen || is_black(seen->Le) || is_black(f.sum())) return;
-        const Densities by = densities(start, wo_local, chain, end, *seen, double{sample.q});
-        if (!by.prefer_chains()) return;
-        Color arriving = seen->Le / static_cast<float>(by.chains);
-        if (scene_.has_media()) {
-            const auto whole = trace_chain(walk.rays, start, chain.w, kind.events, &u);
-            if (!whole) return;
-            const Vec3 from = offset_origin(*chain.last, seen->wi);
-            arriving *= whole->weight * walk.rays.transmittance(from, whole->medium, *seen, u);
-        } else {
-            arriving *= chain.weight * walk.rays.visibility(*chain.last, *seen);
-        }
-        if (splits && chain.is_split) arriving *= stratum_weight(*start.stratum);
-        if (is_black(arriving)) return;
-        counts.chains.fetch_add(1, std::memory_order_relaxed);
-        const auto n = static_cast<float>(n_of());
-        f.diffuse *= arriving * n;
-        f.specular *= arriving * n;
-        sample.light.diffuse += f.diffuse;
-        sample.light.specular += f.specular;
-        light += luminance(f.sum());
-        hits += by.hits > 0 ? sqr(luminance(f.sum())) / (n * static_cast<float>(by.hits / by.chains)) : 0.f;
-    };
-
-    const Vec3 straight = direction_to(end, hit.p);
-    const bool is_ahead = kind.surface == ahead && kind.events.transmits_at(0) && is_seen(straight);
-    const auto first = is_ahead ? find_from(straight) : std::nullopt;
-    if (first) add(*first, [] { return 1; });
-    const double searches = first ? further_searches : 1;
-    if (double{u.next()} < searches) {
-        const auto other = find_by_seed();
-        if (other && !(first && is_same(*other, *first)))
-            add(*other, [&] {
-                for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                    const auto again = find_by_seed();
-                    if (again && is_same(*again, *other)) return n / searches;
-                }
-                counts.lost.fetch_add(1, std::memory_order_relaxed);
-                return std::numeric_limits<double>::quiet_NaN();
-            });
+            w = (chains_.seed_point(chains_.surfaces_[kind.surface], walk_.flights) - start_.hit.p).normalized();
+        return find_from(kind, w);
     }
-    counts.trials.fetch_add(trials, std::memory_order_relaxed);
-    if (light == 0.f) return std::nullopt;
-    sample.hits_over_square = hits / sqr(light);
+
+    /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light.
+    template <typename NumberOf>
+    std::optional<Found> light_of(const Chain& chain, const Kind& kind, std::size_t number, double q, NumberOf&& n_of) {
+        const auto seen = chains_.light_at(chain, light_, y_);
+        LobeValues f = scattered(start_.hit, wo_local_, chain.w);
+        if (!seen || is_black(seen->Le) || is_black(f.sum())) return std::nullopt;
+        const Densities densities(start_, wo_local_, chain, end_, *seen);
+        if (!densities.prefer_chains(chains_.deciding_q(light_, straight_, kind))) return std::nullopt;
+        const Color arriving = seen->Le * transmitted(chain, *seen, kind.events);
+        if (is_black(arriving)) return std::nullopt;
+        const double n = n_of(), density = q * densities.chains / n;
+        f.diffuse *= arriving / static_cast<float>(density);
+        f.specular *= arriving / static_cast<float>(density);
+        const double hits = densities.hits > 0 ? sqr(double{luminance(f.sum())}) * density / densities.hits : 0.;
+        return Found{f, number, q, hits};
+    }
+
+private:
+    bool is_seen(const Vec3& w) const { return w.squaredNorm() > 0.5f && w.dot(start_.hit.shading.n) * side_ >= 0.f; }
+
+    std::optional<Chain> find_from(const Kind& kind, const Vec3& w) {
+        if (!is_seen(w)) return std::nullopt;
+        ++trials_;
+        auto chain = find_chain(walk_.rays, start_, w, kind.events, end_);
+        const Surface& surface = chains_.surfaces_[kind.surface];
+        if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
+        return chain;
+    }
+
+    /// Weight of the whole chain, from the light to x.
+    Color transmitted(const Chain& chain, const LightSample& seen, const ChainEvents& events) {
+        Color weight = Color::Ones();
+        if (chains_.scene_.has_media()) {
+            const auto whole = trace_chain(walk_.rays, start_, chain.w, events, &walk_.flights);
+            if (!whole) return Color::Zero();
+            const Vec3 from = offset_origin(*chain.last, seen.wi);
+            weight = whole->weight * walk_.rays.transmittance(from, whole->medium, seen, walk_.flights);
+        } else {
+            weight = chain.weight * walk_.rays.visibility(*chain.last, seen);
+        }
+        return splits_ && chain.is_split ? Color(weight * stratum_weight(*start_.stratum)) : weight;
+    }
+
+    const ChainSampler& chains_;
+    PathWalk& walk_;
+    Vec3 wo_local_;
+    std::uint32_t light_;
+    float side_;  ///< sign of w n for directions that x may receive light from; 0: all
+    ChainStart start_;
+    SurfaceGeometry y_ = {};
+    ChainEnd end_ = {};
+    bool splits_;
+    std::optional<Kind> straight_;
+    std::uint64_t trials_ = 0;
+};
+
+ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
+                                          ChainCounts& counts) const {
+    NumberStream& u = walk.flights;
+    const auto light = lights_.sample(u.next());
+    const double q = samples_ * double{light.probability};
+    Search search(*this, walk, hit, wo_local, light.index);
+    const std::optional<Kind>& straight = search.straight();
+    Sample sample;
+    std::optional<Chain> first;
+    if (straight && straight->events.length <= longest) {
+        first = search.find_straight();
+        if (first)
+            sample[0] = search.light_of(*first, *straight, number_of_straight(light.index), q, [] { return 1.; });
+    }
+    const std::size_t table = table_of(light.index, straight);
+    const double searches = first ? further_searches : 1;
+    if (double{u.next()} < searches && kinds_[table].total() > 0) {
+        const auto choice = kinds_[table].sample(light.u);
+        const Kind kind = kind_of(choice.index);
+        const auto other = kind.events.length <= longest ? search.find_by_seed(kind) : std::nullopt;
+        if (other && !(first && *straight == kind && is_same(*other, *first)))
+            sample[1] = search.light_of(*other, kind, table * kinds() + choice.index,
+                                        q * searches * double{choice.probability}, [&] {
+                                            for (std::uint32_t n = 1; n <= most_trials; ++n) {
+                                                const auto again = search.find_by_seed(kind);
+                                                if (again && is_same(*again, *other)) return static_cast<double>(n);
+                                            }
+                                            counts.lost.fetch_add(1, std::memory_order_relaxed);
+                                            return std::numeric_limits<double>::quiet_NaN();
+                                        });
+    }
+    counts.trials.fetch_add(search.trials(), std::memory_order_relaxed);
+    counts.chains.fetch_add((sample[0] ? 1u : 0u) + (sample[1] ? 1u : 0u), std::memory_order_relaxed);
     return sample;
 }
 

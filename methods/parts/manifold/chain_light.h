@@ -3,22 +3,22 @@
 // Zeltner, Georgiev and Jakob 2020, "Specular Manifold Sampling for Rendering High-Frequency Caustics and Glints",
 // section 4.
 //
-// A sample at x draws a light and a point y of it. A ray towards y meets the smooth surface that lies ahead, or none. Given
-// that surface, the kind of a chain is drawn: the shape of x_1, and the events (reflection, transmission) of 1 to `longest`
-// vertices. q is the probability of light and kind (times the mean number of samples, where there are more or fewer than
-// one). Newton's method starts from a direction at x, and leads to one chain or to none.
-// 1. If x_1 transmits and its shape lies ahead, the start is the direction of y (Hanika 2015). Nothing is random
-//    in this, so that the chain that it leads to has the probability 1.
-// 2. Other chains are sought from a seed, the ray from x to a uniform point of the shape; if there is a first chain, with
-//    the probability r. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one
-//    does; their number n has the mean 1 / p (Zeltner 2020, section 4.3). The first chain is no other.
-// With n = 1 for the first chain and n / r for another,
+// A sample at x draws a light and a point y of it, with the probability q (times the mean number of samples, where there
+// are more or fewer than one). Newton's method starts from a direction at x, and leads to one chain or to none.
+// 1. If the straight line from x to y crosses smooth surfaces that transmit, and nothing else, a chain of as many
+//    transmissions is sought from the direction of y (Hanika 2015). Nothing is random in this: the probability is 1.
+// 2. With the probability r, 1 if there is no such chain, others are sought. The kind of the chain is drawn with a
+//    probability q_k that knows the surface ahead: the shape of x_1, and the events (reflection, transmission) of 1 to
+//    `longest` vertices. The start is a seed, the ray from x to a uniform point of the shape. A set of seeds of unknown
+//    probability p leads to the same chain. New seeds are drawn until one does; their number n has the mean 1 / p (Zeltner
+//    2020, section 4.3). A chain that the straight line leads to counts only there.
+// With n = 1 for the first chain and n / (r q_k) for another,
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
 // sums to an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a
 // sample of y would bring to x_k: Le cos_y / (pdf_a r^2).
 //
 // Samples of the bsdf hit lamps too. Their density over directions at x is pdf_w(w) P, with the probability P of the
-// chain's lobes; that of chains is q pdf_w(y) |det M| / n. The larger of the two, with a constant for n, makes the path
+// chain's lobes; that of chains is q pdf_w(y) |det M| / n, with r q_k for kinds but the straight one. The larger of the two, with a constant for n, makes the path
 // (Veach 1997, section 9.2, the maximum heuristic): it depends on the path alone, so that each path is made once.
 // Without it the light of a chain near a focus, where det M is 0, had no bound. The number n has no bound but
 // `most_trials`, where the sample counts as lost and is not finite, so that it is dropped and counted.
@@ -26,6 +26,7 @@
 #include "methods/parts/manifold/specular_chain.h"
 #include "methods/parts/transport/path_walk.h"
 
+#include <array>
 #include <atomic>
 
 namespace gib {
@@ -66,17 +67,21 @@ public:
     /// Whether any kind can be drawn.
     bool empty() const { return !(lights_.size() > 0 && lights_.total() > 0); }
 
-    struct Sample {
-        LobeValues light = {};  ///< radiance [W/(sr m^2)] that the hit scatters
-        std::size_t number;     ///< of the kind, given what lies ahead
-        float q;                ///< mean number of samples of the light and the kind at a point
-        /// light^2 times this has the mean that light^2 has if samples of the bsdf hit the light; 0: they cannot
-        float hits_over_square = 0.f;
+    /// The number, among those of the kinds, of the chains that straight lines lead to.
+    std::size_t number_of_straight(std::size_t light) const { return size() + light; }
+
+    struct Found {
+        LobeValues light;    ///< radiance [W/(sr m^2)] that the hit scatters
+        std::size_t number;  ///< of the kind, given what lies ahead
+        double q;            ///< mean number of samples of the light and the kind at a point
+        double
+            hits;  ///< has the mean that luminance^2 of `light` has if samples of the bsdf hit the lamp; 0: they cannot
     };
+    /// By the straight line, and by a seed.
+    using Sample = std::array<std::optional<Found>, 2>;
     /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices
-    /// that this makes, divided by samples(). Empty if it found none.
-    std::optional<Sample> sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
-                                 ChainCounts& counts) const;
+    /// that this makes, divided by samples().
+    Sample sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest, ChainCounts& counts) const;
 
     /// Whether this makes the chain from the start, which scatters light from w to wo, to the emitter at y.
     bool makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
@@ -89,6 +94,8 @@ private:
     struct Kind {
         std::size_t surface;
         ChainEvents events;
+
+        bool operator==(const Kind&) const = default;
     };
     static constexpr std::size_t most_places = 16;
     std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
@@ -96,17 +103,15 @@ private:
     Kind kind_of(std::size_t number) const;
     /// The number of a surface, or of surfaces if it is none.
     std::size_t find_surface(std::uint32_t shape, std::uint32_t instance) const;
-    /// The surface that a ray from x towards the end of chains meets.
-    std::size_t surface_ahead(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const;
-    std::size_t table_of(std::size_t light, std::size_t ahead) const;
+    /// The transmissions along the straight line to the end; none if something else lies there, or too many do.
+    std::optional<Kind> straight_kind(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const;
+    /// The kinds' distribution of a light, given the straight kind.
+    std::size_t table_of(std::size_t light, const std::optional<Kind>& straight) const;
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;
-    struct Densities {
-        double chains, hits;
-        bool prefer_chains() const { return chains > least_advantage * hits; }
-    };
-    Densities densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain, const ChainEnd& end,
-                        const LightSample& light, double q) const;
+    /// q by which makes() and sample() decide, which is a function of the path alone.
+    double deciding_q(std::size_t light, const std::optional<Kind>& straight, const Kind& kind) const;
+    class Search;
 
     const Scene& scene_;
     int longest_;
