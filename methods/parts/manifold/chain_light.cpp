@@ -19,6 +19,13 @@ ChainEnd end_on(const Light& light, const SurfaceGeometry& y) {
 /// The unit direction from x to the end.
 Vec3 direction_to(const ChainEnd& end, const Vec3& x) { return end.at_infinity ? end.p : Vec3(end.p - x).normalized(); }
 
+/// Whether light from w may reach the hit from the side of wo, or from any side of one that transmits.
+bool may_receive(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w) {
+    if (!(w.squaredNorm() > 0.5f)) return false;
+    return hit.bsdf->traits().transmission ||
+           w.dot(hit.shading.n) * hit.shading.n.dot(hit.shading.to_world(wo_local)) >= 0.f;
+}
+
 /// f |cos| of the hit for light from w.
 LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w) {
     if (hit.delta_only || !hit.normals_agree_about(w)) return {};
@@ -32,9 +39,6 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 /// Whether Newton's method has found the same chain twice. Directions may differ by four times the errors of both, and by
 /// 1e-4 for the rounding of p in single precision, which chains magnify. Different chains are hundredths apart and more.
 bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
-
-/// Probability of a search for other chains where the direction of the light has led to one.
-constexpr double further_searches = 0.5;
 
 /// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
 /// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
@@ -142,11 +146,13 @@ std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>&
     return light * places() + (straight ? std::min(straight->surface, places() - 2) : places() - 1);
 }
 
-double ChainSampler::deciding_q(std::size_t light, const std::optional<Kind>& straight, const Kind& kind) const {
-    const double q = samples_ * double{lights_.probability(light)};
-    if (straight && *straight == kind) return q;
-    return q * (straight ? further_searches : 1) *
-           double{kinds_[table_of(light, straight)].probability(number_of(kind))};
+std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local,
+                                        const Kind& kind, const ChainEnd& end, const Vec3& w) const {
+    if (!may_receive(start.hit, wo_local, w)) return std::nullopt;
+    auto chain = find_chain(rays, start, w, kind.events, end);
+    const Surface& surface = surfaces_[kind.surface];
+    if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
+    return chain;
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -202,7 +208,13 @@ bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& 
     const std::size_t surface = find_surface(chain->shape, chain->instance);
     if (!light || surface == surfaces_.size()) return false;
     const ChainEnd end{y.p, false};
-    const double q = deciding_q(y.light, straight_kind(rays, start.hit, end), {surface, events});
+    const Kind kind{surface, events};
+    const auto straight = straight_kind(rays, start.hit, end);
+    const auto first =
+        straight ? find(rays, start, wo_local, *straight, end, direction_to(end, start.hit.p)) : std::nullopt;
+    double q = samples_ * double{lights_.probability(y.light)};
+    if (!(first && straight == kind && is_same(*first, *chain)))
+        q *= (first ? further_searches : 1) * double{kinds_[table_of(y.light, straight)].probability(number_of(kind))};
     return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
 
@@ -214,7 +226,6 @@ public:
           walk_(walk),
           wo_local_(wo_local),
           light_(static_cast<std::uint32_t>(light)),
-          side_(hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local))),
           start_{hit, walk.at.medium, walk.at.stratum} {
         const Scene& scene = chains.scene_;
         NumberStream& u = walk.flights;
@@ -236,7 +247,7 @@ public:
     std::optional<Chain> find_by_seed(const Kind& kind) {
         Vec3 w = Vec3::Zero();
         // Points below the horizon of x are drawn again.
-        for (int i = 0; i == 0 || (i < most_redraws && !is_seen(w)); ++i)
+        for (int i = 0; i == 0 || (i < most_redraws && !may_receive(start_.hit, wo_local_, w)); ++i)
             w = (chains_.seed_point(chains_.surfaces_[kind.surface], walk_.flights) - start_.hit.p).normalized();
         return find_from(kind, w);
     }
@@ -248,7 +259,7 @@ public:
         LobeValues f = scattered(start_.hit, wo_local_, chain.w);
         if (!seen || is_black(seen->Le) || is_black(f.sum())) return std::nullopt;
         const Densities densities(start_, wo_local_, chain, end_, *seen);
-        if (!densities.prefer_chains(chains_.deciding_q(light_, straight_, kind))) return std::nullopt;
+        if (!densities.prefer_chains(q)) return std::nullopt;
         const Color arriving = seen->Le * transmitted(chain, *seen, kind.events);
         if (is_black(arriving)) return std::nullopt;
         const double n = n_of(), density = q * densities.chains / n;
@@ -259,15 +270,9 @@ public:
     }
 
 private:
-    bool is_seen(const Vec3& w) const { return w.squaredNorm() > 0.5f && w.dot(start_.hit.shading.n) * side_ >= 0.f; }
-
     std::optional<Chain> find_from(const Kind& kind, const Vec3& w) {
-        if (!is_seen(w)) return std::nullopt;
         ++trials_;
-        auto chain = find_chain(walk_.rays, start_, w, kind.events, end_);
-        const Surface& surface = chains_.surfaces_[kind.surface];
-        if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
-        return chain;
+        return chains_.find(walk_.rays, start_, wo_local_, kind, end_, w);
     }
 
     /// Weight of the whole chain, from the light to x.
@@ -288,7 +293,6 @@ private:
     PathWalk& walk_;
     Vec3 wo_local_;
     std::uint32_t light_;
-    float side_;  ///< sign of w n for directions that x may receive light from; 0: all
     ChainStart start_;
     SurfaceGeometry y_ = {};
     ChainEnd end_ = {};
@@ -306,9 +310,9 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     const std::optional<Kind>& straight = search.straight();
     Sample sample;
     std::optional<Chain> first;
-    if (straight && straight->events.length <= longest) {
+    if (straight) {
         first = search.find_straight();
-        if (first)
+        if (first && straight->events.length <= longest)
             sample[0] = search.light_of(*first, *straight, number_of_straight(light.index), q, [] { return 1.; });
     }
     const std::size_t table = table_of(light.index, straight);

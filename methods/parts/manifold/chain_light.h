@@ -45,6 +45,8 @@ public:
     /// Where lamps can be hit, chains make a path only if they are denser by this factor. The number of trials is
     /// larger than 1 and varies.
     static constexpr double least_advantage = 4;
+    /// r: probability of a search for other chains where the straight line has led to one.
+    static constexpr double further_searches = 0.1;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
@@ -109,8 +111,9 @@ private:
     std::size_t table_of(std::size_t light, const std::optional<Kind>& straight) const;
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;
-    /// q by which makes() and sample() decide, which is a function of the path alone.
-    double deciding_q(std::size_t light, const std::optional<Kind>& straight, const Kind& kind) const;
+    /// The chain of this kind that Newton's method finds from w, if x may receive light from there.
+    std::optional<Chain> find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Kind& kind,
+                              const ChainEnd& end, const Vec3& w) const;
     class Search;
 
     const Scene& scene_;
