@@ -47,8 +47,7 @@ void MergedVertices::find_first_radii(std::uint64_t seed, std::uint64_t& rays) {
     }
     const SeenPlaces seen = seen_places(scene_, {rules_.max_edges, false, follows_specular_}, seed_, rays);
     const auto radius = [&](const std::vector<Photon>& photons, const std::vector<Vec3>& places, int dimensions) {
-        return first_radius(PhotonMap(photons, 1), static_cast<double>(passes), places, most_merged, dimensions,
-                            scene_.diagonal());
+        return first_radius(photons, static_cast<double>(passes), places, most_merged, dimensions, scene_.diagonal());
     };
     if (!(first_radius_ > 0)) first_radius_ = radius(on_surfaces, seen.on_surfaces, 2);
     if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(in_media, seen.in_media, 3);

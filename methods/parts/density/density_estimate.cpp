@@ -1,6 +1,7 @@
 #include "methods/parts/density/density_estimate.h"
 
 #include "methods/parts/density/surface_disc.h"
+#include "methods/parts/kd_tree/nearest.h"
 
 #include <algorithm>
 
@@ -88,8 +89,8 @@ public:
         if (flat_) return neighbours_;
         if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return neighbours_;
         near_obstacle_ = true;
-        map_.nearest(
-            hit_.p, e_.k, e_.max_radius,
+        find_nearest(
+            map_, hit_.p, e_.k, e_.max_radius,
             [this](const Photon& photon, float distance2) {
                 const Vec3 offset = photon.p - hit_.p;
                 return counts_(photon, offset, distance2) && disc_.contains(offset);
@@ -130,9 +131,9 @@ private:
     template <typename Accept>
     void find_k(const Accept& accept) {
         const float near = last_ ? last_->radius + (hit_.p - last_->p).norm() : infinity;
-        if (near < e_.max_radius) map_.nearest(hit_.p, e_.k, near, accept, neighbours_);
+        if (near < e_.max_radius) find_nearest(map_, hit_.p, e_.k, near, accept, neighbours_);
         if (!(near < e_.max_radius) || neighbours_.size() < e_.k)
-            map_.nearest(hit_.p, e_.k, e_.max_radius, accept, neighbours_);
+            find_nearest(map_, hit_.p, e_.k, e_.max_radius, accept, neighbours_);
         if (last_) *last_ = {hit_.p, neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity};
     }
 
