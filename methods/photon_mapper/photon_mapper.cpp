@@ -131,7 +131,7 @@ public:
                                     .k = k,
                                     .max_radius = length(radius),
                                     .area = settings.area,
-                                    .by_place = {.flat = flat_regions_ ? &*flat_regions_ : nullptr}};
+                                    .flat = flat_regions_ ? &*flat_regions_ : nullptr};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
         maps_.caustic_estimator = estimator(settings.caustic_k, settings.caustic_radius);

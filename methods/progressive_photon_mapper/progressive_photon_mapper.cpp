@@ -161,7 +161,8 @@ private:
                                     .max_radius = static_cast<float>(first * shrinking_.on_surfaces(passes_before)),
                                     .area = s.area,
                                     .estimates_bias = true,
-                                    .by_place = {given > 0 ? 0.f : static_cast<float>(first), &*flat_regions_}};
+                                    .largest_by_place = given > 0 ? 0.f : static_cast<float>(first),
+                                    .flat = &*flat_regions_};
         };
         maps_.caustic_estimator = on_surfaces(s.caustic_radius, first_.caustic);
         maps_.global_estimator = on_surfaces(s.radius, first_.global);

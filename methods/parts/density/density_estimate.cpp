@@ -1,5 +1,6 @@
 #include "methods/parts/density/density_estimate.h"
 
+#include "methods/parts/density/place_radius.h"
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/nearest.h"
 
@@ -137,7 +138,7 @@ private:
         if (last_) *last_ = {hit_.p, neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity};
     }
 
-    bool is_flat_within(float r) const { return e_.by_place.is_flat_within(hit_, r); }
+    bool is_flat_within(float r) const { return e_.is_flat_within(hit_, r); }
 
     const DensityEstimator& e_;
     const PhotonMap& map_;
@@ -292,8 +293,9 @@ Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries&
     PhotonSearch search(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), last);
     const ReflectedPower f_phi(hit, wo, eye, map.unit());
     const Estimate estimate(*this, search, f_phi);
-    Reflected light = k == all_photons ? estimate.from_all_within(max_radius * by_place.share(rays, hit, wo))
-                                       : estimate.from_nearest();
+    const bool by_place = largest_by_place > 0.f && !is_flat_within(hit, largest_by_place);
+    const float share = by_place ? share_of_radius_at(rays, hit, wo, largest_by_place) : 1.f;
+    Reflected light = k == all_photons ? estimate.from_all_within(share * max_radius) : estimate.from_nearest();
     light.near_obstacle = search.near_obstacle();
     return light;
 }
