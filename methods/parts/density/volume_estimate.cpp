@@ -1,5 +1,6 @@
 #include "methods/parts/density/volume_estimate.h"
 
+#include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/nearest.h"
 
 namespace gib {
