@@ -292,7 +292,7 @@ public:
         const ShownComponents shown = shown_components(scene, planned.called_for, find_method("metropolis"));
         Plan of_short_paths = described_plan(scene, find_method("metropolis"));
         add_joined_paths(of_short_paths, scene, short_paths(settings_));
-        auto short_run = start_joined_paths(scene, short_paths(settings_), false, of_short_paths, shown, seed, stages);
+        auto short_run = start_joined_paths(scene, short_paths(settings_), {}, of_short_paths, shown, seed, stages);
         return std::make_unique<MetropolisRun>(scene, settings_, planned, std::move(short_run), shown, seed, stages);
     }
 

@@ -15,7 +15,7 @@ constexpr double most_kept = 0.35;
 }  // namespace
 
 LightEmission::Maps LightEmission::towards_specular(const Scene& scene) {
-    auto map = std::make_shared<ProjectionMap>(scene, TargetSurfaces::specular, most_bins);
+    std::shared_ptr<const AimedEmission> map = AimedEmission::at_surfaces(scene, TargetSurfaces::specular, most_bins);
     const bool pays = !map->empty() && map->kept_power() <= most_kept;
     return pays ? Maps{std::move(map)} : Maps();
 }

@@ -14,7 +14,7 @@
 // and V_l. No light is lost, since a map holds all rays that meet a target.
 
 #include "common/sampling/sampler.h"
-#include "methods/parts/emission/projection_map.h"
+#include "methods/parts/emission/aimed_emission.h"
 
 #include <memory>
 #include <optional>
@@ -24,7 +24,7 @@ namespace gib {
 
 class LightEmission {
 public:
-    using Maps = std::vector<std::shared_ptr<const ProjectionMap>>;
+    using Maps = std::vector<std::shared_ptr<const AimedEmission>>;
     /// Without maps all starts are ordinary.
     explicit LightEmission(const Scene& scene, Maps maps = {}) : scene_(&scene), maps_(std::move(maps)) {}
     /// The map that aims at specular surfaces, if most emission cannot reach any.

@@ -1,5 +1,6 @@
 // Kernels and density estimates on surfaces and in media: bias, variance, and which photons count.
 #include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/surface_disc.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "tests/methods/parts/density/density_fixtures.h"
 

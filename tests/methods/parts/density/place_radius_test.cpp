@@ -10,7 +10,7 @@ namespace {
 float radius_at(const LoadedScene& scene, const Ray& ray) {
     RayQueries rays(*scene.scene);
     const auto hit = scene.scene->intersect(ray);
-    return PlaceRadius{.largest = 1.f}.share(rays, *hit, -ray.d);
+    return share_of_radius_at(rays, *hit, -ray.d, 1.f);
 }
 
 // The normal of a sphere has turned by acos(0.9) at the distance 0.436 R from the axis. Halving stops between half of it and it.

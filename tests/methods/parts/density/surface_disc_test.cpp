@@ -284,7 +284,7 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     for (const std::size_t count : {std::size_t{50}, all_photons}) {
         DensityEstimator with{Kernel::uniform, count, 0.01f * scene.diagonal(), DiscArea::surface};
         const DensityEstimator without = with;
-        with.by_place.flat = &regions;
+        with.flat = &regions;
         RayQueries rays(scene), probed(scene);
         for (int y = 0; y < 32; ++y)
             for (int x = 0; x < 32; ++x) {
