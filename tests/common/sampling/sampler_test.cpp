@@ -38,15 +38,15 @@ TEST(Sampler, GivesAVertexTheNumbersOfItsDimensions) {
 
 TEST(Sampler, GivesAStartTheNumbersOfItsDimensions) {
     struct Block : NumberStore {
-        EightFloats block(std::uint64_t, std::uint32_t b) override {
+        EightFloats block(std::uint64_t, std::uint32_t b, const EightFloats&) override {
             EightFloats numbers;
             for (std::size_t i = 0; i < 8; ++i)
                 numbers[i] = (static_cast<float>(8 * b) + static_cast<float>(i)) / 64;
             return numbers;
         }
     } store;
-    for (const Sampler& s :
-         {Sampler(PointSet::sobol, 1, 2, 3), Sampler(PointSet::independent, 1, 2, 3), Sampler(store)})
+    for (const Sampler& s : {Sampler(PointSet::sobol, 1, 2, 3), Sampler(PointSet::independent, 1, 2, 3),
+                             Sampler(store, Sampler(PointSet::independent, 1, 2, 3))})
         for (std::uint32_t d = 0; d < 3; ++d)
             EXPECT_EQ(s.at_start()[d], s.get_2d(d)) << d;
 }
