@@ -55,31 +55,5 @@ std::vector<Rectangle> grid(double lower, double upper, int n) {
     return boxes;
 }
 
-TEST(AdaptiveQuadrature, MeetsItsToleranceForPeaksJumpsAndCorners) {
-    const auto square = grid(0, 1, 16);
-    const auto tolerance = [](double) { return 1e-5; };
-    const auto disk = [](const Vec2d& x) { return x.squaredNorm() < 0.25 ? 1.0 : 0.0; };
-    const Integral quarter = integrate(disk, square, tolerance, 10'000'000);
-    EXPECT_TRUE(quarter.converged);
-    EXPECT_NEAR(quarter.value, std::numbers::pi / 16, 5e-5);
-    const auto peak = [](const Vec2d& x) { return std::exp(-(x - Vec2d(0.37, 0.61)).squaredNorm() / 2e-4); };
-    const Integral gauss = integrate(
-        peak, square, [](double) { return 1e-9; }, 10'000'000);
-    EXPECT_NEAR(gauss.value, std::numbers::pi * 2e-4, 1e-9);
-    const auto root = [](const Vec2d& x) { return 1 / std::sqrt(x.x()); };
-    EXPECT_NEAR(integrate(root, square, tolerance, 10'000'000).value, 2, 1e-4);
-}
-
-TEST(AdaptiveQuadrature, SaysWhenItGaveUpAndRefusesWhatIsNotFinite) {
-    const auto square = grid(-1, 1, 1);
-    const auto disk = [](const Vec2d& x) { return x.norm() < 0.7 ? 1.0 : 0.0; };
-    EXPECT_FALSE(integrate(
-                     disk, square, [](double) { return 1e-9; }, 10'000)
-                     .converged);
-    const auto tolerance = [](double) { return 1e-3; };
-    const auto pole = [](const Vec2d& x) { return x.x() == 0 ? std::numeric_limits<double>::infinity() : 1 / x.x(); };
-    EXPECT_THROW(integrate(pole, square, tolerance, 10'000), std::domain_error);
-}
-
 }  // namespace
 }  // namespace gib::test::chi_square_test
