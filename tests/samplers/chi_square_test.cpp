@@ -1,10 +1,7 @@
 #include "tests/samplers/chi_square.h"
 
-#include "tests/samplers/adaptive_quadrature.h"
-
 #include <gtest/gtest.h>
 #include <cmath>
-#include <stdexcept>
 
 namespace gib::test::chi_square_test {
 namespace {
@@ -43,16 +40,6 @@ TEST(Holm, StepsDownAndCountsWhatIsNotANumberAsRejected) {
     EXPECT_EQ(holm_rejections({0.02, 0.013, 0.016, 0.9}, 0.05), Indices{});
     EXPECT_EQ(holm_rejections({0.5, std::nan("")}, 0.05), Indices{1});
     EXPECT_EQ(holm_rejections({}, 0.05), Indices{});
-}
-
-/// The square [lower, upper]^2 as n x n boxes.
-std::vector<Rectangle> grid(double lower, double upper, int n) {
-    std::vector<Rectangle> boxes;
-    const double step = (upper - lower) / n;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            boxes.push_back({{lower + i * step, lower + j * step}, {lower + (i + 1) * step, lower + (j + 1) * step}});
-    return boxes;
 }
 
 }  // namespace

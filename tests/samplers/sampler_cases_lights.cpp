@@ -14,7 +14,7 @@ namespace gib::test {
 
 namespace {
 
-using ScenePointer = std::shared_ptr<const Scene>;
+using ScenePointer = std::shared_ptr<const gib::Scene>;
 
 /// The scene of `xml`, whose lights are all of type Kind; if they are not, throws std::logic_error.
 template <typename Kind>
@@ -45,12 +45,12 @@ std::string area_light(const std::string& type, const std::string& placing, cons
 
 /// The density that a path must assume if its ray hits a light by chance. Surfaces that do not emit count as
 /// transparent, as they do for the samplers.
-double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
+double light_pdf(const gib::Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
 }
 
-double radiance(const Scene& scene, const Vec3& p, const Vec3& w) {
+double radiance(const gib::Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return mean(hit && hit->emitter ? hit->Le(-w) : scene.environment_radiance(w));
 }
@@ -326,7 +326,7 @@ struct LightCasesOf {
 };
 
 /// The probability with which a point light is chosen at p_file, in a scene that has one.
-double choice_of_point_light(const Scene& scene, const Vec3& p_file) {
+double choice_of_point_light(const gib::Scene& scene, const Vec3& p_file) {
     const LitPoint at = p_file + scene.sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
     for (std::uint32_t i = 0; i < scene.lights().size(); ++i)
         if (std::holds_alternative<PointLight>(scene.lights()[i]))
