@@ -105,22 +105,6 @@ TEST(DiscreteDistribution, NeverChoosesAWeightOfZeroAndReturnsItsProbability) {
     EXPECT_EQ(d.total(), 4);
 }
 
-// Random numbers are multiples of 2^-24. The number of these multiples that choose an item, of 2^24, is
-// exactly the item's probability.
-TEST(DiscreteDistribution, ProbabilitiesAreThoseThatNumbersHave) {
-    std::vector<double> weights(100'000, 1.0);
-    for (std::size_t i = 0; i < weights.size(); i += 7)
-        weights[i] = 3.7;
-    const DiscreteDistribution d(weights);
-    double sum = 0;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const double numbers = std::ldexp(static_cast<double>(d.probability(i)), 24);
-        ASSERT_EQ(numbers, std::round(numbers)) << i;
-        sum += numbers;
-    }
-    EXPECT_EQ(sum, std::ldexp(1.0, 24));
-}
-
 TEST(PowerHeuristic, WeightsOfTwoTechniquesSumToOneAtAnyMagnitude) {
     for (float a : {1e-30f, 1e-3f, 1.f, 1e30f})
         for (float b : {1e-30f, 1.f, 2.5f, 1e30f})

@@ -137,14 +137,6 @@ TEST(Verdicts, GiveTheClosestTheErrorOfItsFinalImages) {
     EXPECT_NEAR(std::sqrt(rows[0].error.value), final_error, 1e-9);
 }
 
-TEST(FootingWarnings, CallABlackImageBlackAlsoWithoutAnInterval) {
-    Analysis analysis = crossing();
-    analysis.rows[0].footing = Footing{{0, {}}, 1, {-1, {}}, FootingVerdict::unresolved};
-    const auto warnings = footing_warnings(analysis);
-    ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_THAT(warnings[0].sentence, HasSubstr("`total` is black"));
-}
-
 TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     Analysis analysis;
     analysis.index.seeds = 4;

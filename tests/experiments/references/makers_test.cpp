@@ -247,16 +247,6 @@ TEST(MakerAgreement, ComparesThePilotsWithTheReference) {
     }
 }
 
-TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {
-    std::vector<std::string> names;
-    for (const MethodDescription* method : reference_methods(MethodLabel{"auto", {}}))
-        names.push_back(method->name);
-    EXPECT_EQ(names, (std::vector<std::string>{"path", "light_tracer", "bidirectional", "manifold_path"}));
-    EXPECT_EQ(reference_methods(MethodLabel::parse("auto max_depth=3")).size(), 4u);
-    for (const char* wrong : {"auto spp=3", "auto photons=3", "best"})
-        EXPECT_THROW(reference_methods(MethodLabel::parse(wrong)), InputError) << wrong;
-}
-
 // Light of a point through glass, seen through the same glass: bidirectional path tracing leaves it out, and merging makes
 // the rest.
 TEST(ReferenceMaker, TakesTheRemainder) {

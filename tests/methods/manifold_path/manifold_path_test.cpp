@@ -145,14 +145,6 @@ TEST(ManifoldPathMeans, AgreeUnderDispersion) {
                       {"bidirectional", "manifold_path"});
 }
 
-TEST(ManifoldPath, IsBitIdenticalForAnyNumberOfThreads) {
-    const auto scene = room({.light = lamp_of(0.15) + lit_rooms::point, .ball = glass_ball});
-    ComponentImages one, three;
-    with_threads(1, [&] { one = render(scene, "manifold_path", 4); });
-    with_threads(3, [&] { three = render(scene, "manifold_path", 4); });
-    EXPECT_EQ(one[Component::caustic]->rgb, three[Component::caustic]->rgb);
-}
-
 TEST(ManifoldPlan, ResolvesCausticsOfDeltaLights) {
     const auto plan_of = [](const std::string& ball) {
         const auto scene = room({.light = lit_rooms::point, .glossy_wall = "", .ball = ball});

@@ -50,22 +50,5 @@ TEST(PlaceRadius, IsUnboundedAtAStraightEdge) {
     }
 }
 
-// Along a rod no more than two of eight directions stay on it for long: another one is at least 22.5 degrees off, and leaves
-// the part whose normal agrees, 25.8 degrees to either side, after sin(25.8) / sin(22.5) of its radius.
-TEST(PlaceRadius, OfARodIsItsThickness) {
-    const LoadedScene scene = scene_of_shapes(
-        shape("cylinder", test::point("p0", -3, 0, 0), test::point("p1", 3, 0, 0), radius(0.02), diffuse(1.0)));
-    const float r = radius_at(scene, down_at(0.1f, 0.003f));
-    EXPECT_LE(r, 0.0228f);
-    EXPECT_GE(r, 0.004f);
-}
-
-// Fog may end along a wall; as seen from the wall, nothing is there.
-TEST(PlaceRadius, IsNotBoundedWhereAMediumEnds) {
-    const LoadedScene scene = scene_of_shapes(
-        white("rectangle", scale(5)) + shape("rectangle", to_world(scale(5), translate(0, 0, 0.001)), bsdf("null")));
-    EXPECT_EQ(radius_at(scene, down_at(0.3f, 0.2f, 0.0005f)), 1.f);
-}
-
 }  // namespace
 }  // namespace gib::test::place_radius_test

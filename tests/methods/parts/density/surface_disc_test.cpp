@@ -264,16 +264,6 @@ TEST(FlatRegions, EndWhereASurfaceThatIsThereTwiceEnds) {
         });
 }
 
-TEST(FlatRegions, EndUnderASphere) {
-    const LoadedScene loaded =
-        seen_in_parallel(white("rectangle") + white("sphere", scale(0.5) + translate(0, 0, 0.55)) +
-                         white("sphere", scale(0.5) + translate(0, 0, -0.55)));
-    const FlatRegions regions(*loaded.scene, 32);
-    const auto hit = loaded.scene->intersect(down_at(0.02f, 0.02f, 0.04f));
-    ASSERT_TRUE(hit);
-    EXPECT_FALSE(regions.flat_around(*hit, 0.06f));
-}
-
 // Rays would have found nothing where the grid says that there is nothing, so that no bit changes.
 TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     const LoadedScene loaded = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});

@@ -1,5 +1,5 @@
-// The weights of all techniques of a path, against the densities of these techniques, listed one by one; and the starts of light
-// walks, half of which are aimed at specular surfaces.
+// The weights of all techniques of a path, against the densities of these techniques, listed one by one. Half of the
+// starts of light walks are aimed at specular surfaces.
 
 #include "methods/parts/emission/light_emission.h"
 #include "methods/parts/vertices/camera_walk.h"
