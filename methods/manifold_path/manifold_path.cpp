@@ -174,7 +174,7 @@ MethodDescription describe_manifold_path() {
             return std::make_unique<ManifoldPath>(Settings{
                 point_set_of(values), static_cast<int>(values.integer("chain")), max_edges_of(values, defaults)});
         },
-        .ray_cost = 1,
+        .ray_cost = 2,
         .samples_pixels_alone = true,
     };
 }
