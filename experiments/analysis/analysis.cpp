@@ -92,7 +92,7 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
         row.statistics->bias2.reset();
         row.statistics->rel_bias2.reset();
         row.bias.clear();
-        if (row.footing) row.footing->verdict = FootingVerdict::unresolved;
+        if (row.footing) row.footing->verdict = FootingVerdict::inconclusive;
     }
     add_curve_numbers(row, replicates.cells);
     return row;
@@ -234,9 +234,10 @@ void drop_equal_cells(const std::string& scene, Analysis& analysis) {
         analysis.warnings.push_back(
             {.kind = Warning::Kind::equal_images,
              .scene = scene,
-             .sentence = fmt::format("all seeds of {} have the same image, so that they count as one: a command needs "
-                                     "{{seed}} to make others",
-                                     method)});
+             .sentence =
+                 fmt::format("all seeds of {} have the same image and count as one; a command needs {{seed}} to "
+                             "make others",
+                             method)});
     }
 }
 
@@ -263,7 +264,7 @@ void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
     if (!row.footing || row.footing->energy.variance.variance != 0) return;
     if (row.footing->verdict != FootingVerdict::differs || !std::isfinite(row.footing->excess.value)) return;
     if (totals_are_equal && !row.is_unbiased) return;
-    row.footing->verdict = FootingVerdict::unresolved;
+    row.footing->verdict = FootingVerdict::inconclusive;
     row.footing->excess.interval.reset();
 }
 
@@ -273,9 +274,7 @@ void drop_dark_scene(const std::string& scene, Analysis& analysis) {
     std::erase_if(analysis.cells, [&](const Cell& cell) { return cell.scene == scene; });
     analysis.warnings.push_back({.kind = Warning::Kind::no_light,
                                  .scene = scene,
-                                 .sentence =
-                                     "the scene has no light: its reference and all images are black, so that there "
-                                     "is nothing to compare"});
+                                 .sentence = "the scene has no light: its reference and all images are black"});
 }
 
 /// Whether the reference consists of images of this method, so that a difference between them says nothing of the reference.
@@ -359,9 +358,8 @@ void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, cons
             {.kind = Warning::Kind::reference_contradicted,
              .scene = scene.name,
              .sentence = fmt::format(
-                 "the reference is wrong: {} finds {}; {} is not judged, nor is the time in which the whole image "
-                 "reaches an error, which was measured with it",
-                 found.first, found.second.text(), name_of(component)),
+                 "no verdict on `{}` and on times to an error: the reference is contradicted by {}, which finds {}",
+                 name_of(component), found.first, found.second.text()),
              .command = fmt::format("gibench reference '{}' --resolution {}x{} --seed 2 --target {:.2g}%{} -o '{}.exr'",
                                     scene.path, reference.total.mean.width, reference.total.mean.height, 50 * error,
                                     other_options(analysis.index, folder), scene.name)});

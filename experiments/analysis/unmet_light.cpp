@@ -23,7 +23,7 @@ void widen(std::optional<Estimate>& estimate, const std::optional<Estimate>& oth
 void widen(Footing& footing, const Footing& other, bool in_doubt) {
     widen(footing.excess, other.excess);
     if (footing.verdict == other.verdict && !in_doubt) return;
-    footing.verdict = FootingVerdict::unresolved;
+    footing.verdict = FootingVerdict::inconclusive;
     footing.misses_light = true;
 }
 

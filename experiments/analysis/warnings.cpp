@@ -49,7 +49,7 @@ std::string component_text(const TableRow& row) {
 }
 
 /// The two rows that differ most surely from each other, among
-/// the rows of one component that the reference cannot judge.
+/// the rows of one component whose energy balance is inconclusive.
 struct Disagreement {
     const TableRow *more = nullptr, *less = nullptr;
     Estimate difference;  ///< with an interval
@@ -66,10 +66,10 @@ void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>&
         surest = Disagreement{.more = &a, .less = &b, .difference = pair.excess, .sureness = sureness};
 }
 
-/// The rows that the reference cannot judge, by scene and component.
-using UnresolvedRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
+/// The rows whose energy balance is inconclusive, by scene and component.
+using InconclusiveRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
 
-std::vector<Warning> disagreements(const UnresolvedRows& groups) {
+std::vector<Warning> disagreements(const InconclusiveRows& groups) {
     std::vector<Warning> warnings;
     for (const auto& [key, rows] : groups) {
         std::optional<Disagreement> surest;
@@ -81,7 +81,7 @@ std::vector<Warning> disagreements(const UnresolvedRows& groups) {
             {.kind = Warning::Kind::energy_differs,
              .scene = key.first,
              .sentence = fmt::format(
-                 "`{}` differs between methods where the reference cannot judge: {} has {} of mean energy over {}",
+                 "methods differ in mean energy of `{}`, in which the reference is inconclusive: {} has {} over {}",
                  name_of(key.second), surest->more->method, signed_percent(surest->difference), surest->less->method)});
     }
     return warnings;
@@ -101,7 +101,7 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
     for (const Cell& cell : cells)
         if (cell.scene == scene && !cell.cpu.empty()) methods[cell.cpu].insert(cell.method);
     if (methods.size() < 2) return std::nullopt;
-    std::string text = "the cells were measured on unlike processors, so that their seconds do not compare";
+    std::string text = "the cells were measured on different processors: their seconds do not compare";
     for (const auto& [cpu, labels] : methods)
         text += fmt::format("; on '{}': {}", cpu, fmt::join(labels, ", "));
     return Warning{.kind = Warning::Kind::unlike_processors, .scene = scene, .sentence = text};
@@ -153,7 +153,7 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     if (count > 2) signs += fmt::format("; and {} more", count - 2);
     Warning warning{.kind = Warning::Kind::busy_machine,
                     .scene = "",
-                    .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs)};
+                    .sentence = fmt::format("the machine was busy: seconds are too long ({})", signs)};
     // --only names one method by its label, or all cells of one scene.
     const std::string only = busy_methods.size() == 1  ? fmt::format(" --only '{}'", *busy_methods.begin())
                              : busy_scenes.size() == 1 ? fmt::format(" --only '{}'", *busy_scenes.begin())
@@ -168,7 +168,7 @@ std::string contradiction(const Analysis& analysis, const TableRow& total) {
     for (const Layer layer : total.contradicted_in)
         if (const TableRow* row = analysis.row(total.scene, total.method, layer))
             text += (text.empty() ? "" : ", ") + component_text(*row);
-    return "biased, although it is declared unbiased: mean energy against the reference's " + text;
+    return "biased, although declared unbiased: mean energy relative to the reference's " + text;
 }
 
 std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene) {
@@ -183,12 +183,12 @@ std::vector<Warning> contradicted_declarations(const Analysis& analysis, const s
 
 std::vector<Warning> footing_warnings(const Analysis& analysis) {
     std::vector<Warning> differing;
-    UnresolvedRows groups;
+    InconclusiveRows groups;
     const TableRow* last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing, nor do
-        // those that have not met some light.
-        if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
+        // Excluded: methods that leave out light of the component, for a known reason; equal images, without an interval; images
+        // with unsampled light.
+        if (row.has_verdict(FootingVerdict::inconclusive) && row.effects_missing.empty() &&
             !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
             groups[{row.scene, row.layer}].push_back(&row);
         // Black images need no interval, unless theory says that they have only missed the light so far.

@@ -39,10 +39,10 @@ FootingVerdict verdict_of(const Estimate& excess, double truth) {
     if (!std::isfinite(excess.value)) return FootingVerdict::differs;
     // Both are exactly black. Most often this is a component that the scene does not have.
     if (excess.value == 0 && truth == 0) return FootingVerdict::agrees;
-    if (!excess.interval) return FootingVerdict::unresolved;
+    if (!excess.interval) return FootingVerdict::inconclusive;
     const auto [lo, hi] = *excess.interval;
     if ((lo > 0 || hi < 0) && std::abs(excess.value) >= footing_least) return FootingVerdict::differs;
-    return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::unresolved;
+    return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::inconclusive;
 }
 
 Footing compared(const SampleMean& method, const SampleMean& truth, double unit) {
@@ -71,7 +71,9 @@ SampleMean reference_energy(const ReferenceLayer& reference) {
 }
 
 std::string name_of(FootingVerdict verdict) {
-    return verdict == FootingVerdict::agrees ? "agrees" : verdict == FootingVerdict::differs ? "differs" : "unresolved";
+    return verdict == FootingVerdict::agrees    ? "agrees"
+           : verdict == FootingVerdict::differs ? "differs"
+                                                : "inconclusive";
 }
 
 Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }

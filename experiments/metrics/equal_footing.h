@@ -12,9 +12,9 @@
 namespace gib {
 
 enum class FootingVerdict {
-    agrees,      ///< the whole interval lies within footing_tolerance
-    differs,     ///< the interval excludes zero, and the difference is at least footing_least
-    unresolved,  ///< too noisy, or too few seeds, to tell
+    agrees,        ///< the whole interval lies within footing_tolerance
+    differs,       ///< the interval excludes zero, and the difference is at least footing_least
+    inconclusive,  ///< too noisy, or too few seeds
 };
 
 std::string name_of(FootingVerdict verdict);
@@ -38,7 +38,7 @@ struct Footing {
     /// mean of this component, or a hundredth of its mean of the total image if that is more. With two seeds or more
     /// there is a 99 % interval, over the seeds and the reference's groups (half_width()).
     Estimate excess;
-    FootingVerdict verdict = FootingVerdict::unresolved;
+    FootingVerdict verdict = FootingVerdict::inconclusive;
     bool misses_light = false;  ///< light that no image has met decides its verdict (analysis/unmet_light.h)
 
     /// Compares two methods of one scene with each other, where the reference is too noisy to judge them. The excess

@@ -57,7 +57,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         scene.name = std::filesystem::path(scene.path).stem().string();
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
-                reject(scene.where, "two scenes are named '{}': tables could not tell them apart", scene.name);
+                reject(scene.where, "two scenes are named '{}': tables need different names", scene.name);
         experiment.scenes.push_back(std::move(scene));
     }
 }

@@ -46,9 +46,9 @@ std::string advice(const CLI::App& command, const std::string& word) {
     const bool has_method = command.get_option_no_throw("--method") != nullptr;
     const std::string name = word.substr(0, word.find('='));
     if (has_method && word.find('=') != std::string::npos && is_parameter(name))
-        return fmt::format("; a label stands in quotes: --method \"NAME {}\"", word);
+        return fmt::format("; put a label in quotes: --method \"NAME {}\"", word);
     if (has_method && word.starts_with("--") && is_parameter(name.substr(2)))
-        return fmt::format("; parameters stand in the label: --method \"NAME {}=...\"", name.substr(2));
+        return fmt::format("; parameters belong in the label: --method \"NAME {}=...\"", name.substr(2));
     return word.starts_with("--") ? did_you_mean(name, options_of(command)) : "";
 }
 

@@ -230,7 +230,7 @@ void warn_of_doubts(const CompareOptions& options, const std::vector<LayeredImag
         warn(options.tests[i], total.tests[i], total.reference.mean);
         if (files[i].find("stderr") && !reference.total.standard_error)
             std::cerr << fmt::format(
-                "warning: {} has the standard error of a reference, but {} has none: the reference stands last\n",
+                "warning: {} has the standard error of a reference, but {} has none: the last file is the reference\n",
                 options.tests[i], options.reference);
     }
 }

@@ -17,7 +17,7 @@
 
 namespace gib {
 
-enum class ChangeVerdict { better, worse, cannot_be_told, other_machine, busy_machine };
+enum class ChangeVerdict { better, worse, inconclusive, other_machine, busy_machine };
 const char* name_of(ChangeVerdict verdict);
 
 /// The probability that equal runs differ in any number.
@@ -39,7 +39,7 @@ struct Change {
     /// after / before; its interval, of the ratio of geometric means and widened to hold the ratio of these means, holds
     /// together with those of all other changes.
     Estimate factor = {};
-    ChangeVerdict verdict = ChangeVerdict::cannot_be_told;
+    ChangeVerdict verdict = ChangeVerdict::inconclusive;
 };
 
 struct RunComparison {

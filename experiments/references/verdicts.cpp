@@ -30,10 +30,11 @@ std::vector<std::string> warnings_of_noise(const Rounds& rounds) {
     const ReferenceError& error = rounds.error();
     const double skew = error.plain > 0 ? error.value() / error.plain : 1;
     if (skew > skewed_by || skew < 1 / skewed_by)
-        warnings.push_back(fmt::format(
-            "the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %, though it would seem to be "
-            "{:.3g} % with its own noise in the denominator",
-            100 * error.value(), 100 * error.up_to(2), 100 * error.plain));
+        warnings.push_back(
+            fmt::format("the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %; with its own noise in "
+                        "the denominator "
+                        "it would be {:.3g} %",
+                        100 * error.value(), 100 * error.up_to(2), 100 * error.plain));
     const double share = dominance_of_one_group(rounds.reference().total.groups);
     if (share > heavy_tail_share)
         warnings.push_back(
@@ -77,7 +78,7 @@ bool Verdicts::leaves_out_lacking(std::vector<MakerShare>& shares) {
     const Component c = found->component;
     lacks_.emplace(found->lesser(), c);
     leave_to_others(shares, c, found->lesser(), found->greater());
-    lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it made none of it",
+    lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it was not used for that light",
                                    shares[found->lesser()].method, name_of(c), shares[found->greater()].method,
                                    text_of(found->where)));
     agreement_.restart();
@@ -88,7 +89,7 @@ bool Verdicts::compare_with_pilots(const Rounds& rounds) {
     const auto all = agreement_.with_pilots(rounds.groups.groups());
     for (const Disagreement& found : all) {
         if (!holds(unresolved_, found.component)) unresolved_.push_back(found.component);
-        lacking_.push_back(fmt::format("'{}' has seen light of {} that the reference lacks: {}; left out of judgement",
+        lacking_.push_back(fmt::format("'{}' has found light of {} that the reference lacks: {}; no verdict on it",
                                        rounds.shares[found.a].method, name_of(found.component), text_of(found.where)));
     }
     return !all.empty();
@@ -102,8 +103,7 @@ std::vector<std::string> Verdicts::warnings(const Rounds& rounds, const MethodLa
     for (Component c : unresolved_)
         names.push_back(name_of(c));
     if (!names.empty())
-        all.push_back(fmt::format("'{}' has not found all light of: {}; left out of judgement", label.text(),
-                                  fmt::join(names, ", ")));
+        all.push_back(fmt::format("not sampled by '{}': {}; no verdict on it", label.text(), fmt::join(names, ", ")));
     const ReferenceLayer& total = rounds.reference().total;
     if (!total.bias.empty())
         all.push_back(

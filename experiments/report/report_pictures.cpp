@@ -207,7 +207,7 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
         if (judgement.is_resolved(c)) judged.push_back(name);
     }
     json layers = json::array({{{"name", total_name}, {"parts", judged}}});
-    if (!reference.unresolved.empty()) layers.push_back({{"name", "all, judged or not"}, {"parts", all}});
+    if (!reference.unresolved.empty()) layers.push_back({{"name", "all components"}, {"parts", all}});
     if (all.size() > 1)
         for (const auto& name : all)
             layers.push_back({{"name", name}, {"parts", json::array({name})}});

@@ -74,8 +74,7 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
     }
     if (cell.has_command() && judgement_->leaves_out_components())
         throw RunError(
-            "the reference does not resolve some components, and the image of a command has none, so that the "
-            "rest of it cannot be judged");
+            "no verdict: the reference lacks components, which cannot be separated in the image of a command");
     fs::remove(folder_.cell_record(cell.name));  // from here on the cell is not complete
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);

@@ -94,8 +94,8 @@ void warn_of_differences(const std::map<std::string, std::string>& then) {
     all.insert(now.begin(), now.end());
     for (const auto& [what, version] : all)
         if (of(then, what) != of(now, what))
-            std::cerr << fmt::format("warning: the {} is another one: '{}' then, '{}' now; images may differ\n", what,
-                                     of(then, what), of(now, what));
+            std::cerr << fmt::format("warning: the {} was '{}' and is '{}'; images may differ\n", what, of(then, what),
+                                     of(now, what));
 }
 
 /// A text that says how far two images are apart; empty if they cannot be compared.

@@ -195,8 +195,8 @@ int submit_run(const RunOptions& options, const SlurmOptions& slurm, std::ostrea
     if (options.fresh) run.forget_cells();
     const auto references = submission.active().numbers(references_job);
     if (references.empty()) go_on(run, submission, 0);
-    else out << fmt::format("job {} makes references, and then submits the cells\n", *references.begin());
-    out << fmt::format("`gibench status {}` says how far they have come\n", run.folder.path());
+    else out << fmt::format("job {} makes references and submits the cells\n", *references.begin());
+    out << fmt::format("`gibench status {}` prints their progress\n", run.folder.path());
     return run.log.exit_code();
 }
 

@@ -109,7 +109,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         scene.entry.goal.target = wanted_error;  // what it goes on for
     }
     session_->write_index();  // with the notes on the reference
-    if (!error) return "the reference resolves no light of the scene";
+    if (!error) return "the reference samples no light of the scene";
     if (*error <= most_error) return "";
     const Experiment& head = file_.head;
     std::string command = fmt::format("gibench reference {} --target {:.3g}%", scene_.path, 25 * target);
@@ -119,8 +119,9 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         command += " -a " + folder;
     const std::string key = reference_key(scene.content_hash, session_->setup.experiment.reference_method);
     return fmt::format(
-        "the reference does not resolve {}: its own error is {:.3g} %, and has to be {:.3g} % at most. This makes it "
-        "better, and the same tuning then takes it:\n{} -o {}",
+        "the reference's noise hides {}: its own error is {:.3g} %, and has to be {:.3g} % at most. This command "
+        "improves "
+        "it; repeat the tuning after it:\n{} -o {}",
         file_.target, 100 * *error, 100 * most_error, command, cached_reference_path(key));
 }
 

@@ -139,7 +139,7 @@ TEST(Verdicts, GiveTheClosestTheErrorOfItsFinalImages) {
 
 TEST(FootingWarnings, CallABlackImageBlackAlsoWithoutAnInterval) {
     Analysis analysis = crossing();
-    analysis.rows[0].footing = Footing{{0, {}}, 1, {-1, {}}, FootingVerdict::unresolved};
+    analysis.rows[0].footing = Footing{{0, {}}, 1, {-1, {}}, FootingVerdict::inconclusive};
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_THAT(warnings[0].sentence, HasSubstr("`total` is black"));
@@ -153,7 +153,7 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
          {std::tuple{"a", 1.0, 0.0005}, {"b", 1.03, 0.0005}, {"c", 1.002, 0.0005}, {"d", 1.4, 0.5}}) {
         analysis.rows.push_back(row_of(method, Layer::indirect));
         analysis.rows.back().footing =
-            Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::unresolved};
+            Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::inconclusive};
     }
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 1u);

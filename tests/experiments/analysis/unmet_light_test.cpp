@@ -44,7 +44,7 @@ TableRow judged(const std::vector<Image>& x) {
 TEST(UnmetLight, IsNeitherBiasNorADifferenceInEnergy) {
     const TableRow row = judged(images({false, false, false}));
     EXPECT_LT(row.footing->excess.value, -0.15) << "a fifth of the energy";
-    EXPECT_TRUE(row.has_verdict(FootingVerdict::unresolved));
+    EXPECT_TRUE(row.has_verdict(FootingVerdict::inconclusive));
     EXPECT_GT(row.footing->excess.interval->hi, 0);
     EXPECT_EQ(bias_share_field(row).state, State::below) << "none, or nearly all of the relative error";
 }

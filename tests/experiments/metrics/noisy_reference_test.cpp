@@ -76,9 +76,9 @@ TEST(EqualFooting, ErrsAsSeldomAsItSays) {
 TEST(EqualFooting, SaysWhenItCannotTell) {
     Footed scene(3);
     EXPECT_EQ(scene.check(0.5, 0.05, 4)->verdict, FootingVerdict::agrees);
-    EXPECT_EQ(scene.check(0.5, 5, 4)->verdict, FootingVerdict::unresolved);
+    EXPECT_EQ(scene.check(0.5, 5, 4)->verdict, FootingVerdict::inconclusive);
     const auto one = scene.check(0.5, 0.05, 1);
-    EXPECT_EQ(one->verdict, FootingVerdict::unresolved) << "one seed has no error";
+    EXPECT_EQ(one->verdict, FootingVerdict::inconclusive) << "one seed has no error";
     EXPECT_FALSE(one->excess.interval.has_value());
     EXPECT_EQ(scene.check(NAN, 0.05, 3)->verdict, FootingVerdict::differs) << "not finite is not hidden";
 }

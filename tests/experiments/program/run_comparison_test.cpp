@@ -91,7 +91,7 @@ TEST(CompareRuns, ASlightlySlowerMachineIsNoChange) {
             c.checkpoint.seconds *= 1.04;
     }
     const RunComparison comparison = compare_runs(analysis_of(before), analysis_of(after));
-    EXPECT_EQ(count_of(comparison, ChangeVerdict::cannot_be_told), comparison.changes.size());
+    EXPECT_EQ(count_of(comparison, ChangeVerdict::inconclusive), comparison.changes.size());
     EXPECT_GE(comparison.changes.size(), 3u);
 }
 
@@ -142,7 +142,7 @@ TEST(CompareRuns, OneSeedTellsNothing) {
     const Analysis before = analysis_of({run_of("a", 4e-3, 0.5, 16)}),
                    after = analysis_of({run_of("a", 4e-1, 0.5, 16)});
     for (const Change& change : compare_runs(before, after).changes)
-        EXPECT_EQ(change.verdict, ChangeVerdict::cannot_be_told);
+        EXPECT_EQ(change.verdict, ChangeVerdict::inconclusive);
 }
 
 TEST(CompareRuns, UnlikeQuantitiesAreSaidAndNotCompared) {

@@ -103,10 +103,10 @@ TEST(Times, ASlopeThatThePointsDoNotDetermineIsNotPrinted) {
     TableRow r = law_row();
     EXPECT_EQ(slope_field(r).state, State::measured);
     r.law->misfit = 0.6;
-    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "the law misses a point by 60 %";
+    EXPECT_EQ(slope_field(r).state, State::inconclusive) << "the law misses a point by 60 %";
     r.law->misfit = 0;
     r.law->slope = {4, {}};
-    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "five seeds, and no interval";
+    EXPECT_EQ(slope_field(r).state, State::inconclusive) << "five seeds, and no interval";
 }
 
 // A better method may have no time where a worse one has one: its field says why.
