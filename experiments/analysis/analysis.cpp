@@ -33,7 +33,7 @@ struct Replicates {
     Runs cells;
     std::vector<std::string> folders = {};  ///< names of the cells' folders
     std::vector<ComponentImages> images = {};
-    std::vector<Image> totals = {};  ///< images as they are judged
+    std::vector<Image> totals = {};  ///< the compared part of each image
     bool is_lit = false;             ///< whether an image has light in it
 
     Replicates(const Runs& runs, const ResultFolder& folder, const Judgement& judgement) : cells(runs) {
@@ -98,8 +98,8 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
     return row;
 }
 
-/// Whether the images of a method that is unbiased by theory contradict this; `unmet` is the energy of unmet light. The level is
-/// shared by all rows that the table can have (Bonferroni).
+/// Whether the images of a method that is unbiased by theory contradict this. `unmet`: energy of unsampled light [W/(sr m^2)].
+/// All rows that the table can have share the level (Bonferroni).
 void test_energy(TableRow& row, const ResultIndex& index, const Judgement& judgement, const std::vector<Image>& images,
                  const ReferenceLayer& reference, const Components& left_out, double unmet) {
     if (!row.footing || !is_unbiased_by_theory(row, left_out)) return;
@@ -188,8 +188,7 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     return quality;
 }
 
-/// The reference of a scene. Empty if the scene has none yet, or if its file is missing or damaged; then `damage`
-/// gets a message.
+/// The reference of a scene. Empty if the scene has none yet, or, with a message in `damage`, if its file is missing or damaged.
 std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolder& folder,
                                       std::vector<std::string>& damage) {
     if (scene.reference.empty()) return std::nullopt;
@@ -221,7 +220,7 @@ void add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& an
         }
 }
 
-/// Images of another renderer that are all equal tell as much as one: its command may take no seed.
+/// Equal images of another renderer count as one, because its command may ignore the seed.
 void drop_equal_cells(const std::string& scene, Analysis& analysis) {
     for (const auto& method : analysis.index.externals) {
         const auto is_of_method = [&](const Cell& c) { return c.scene == scene && c.method == method; };
@@ -257,9 +256,8 @@ std::string run_command_of(const ResultFolder& folder, const ResultIndex& index)
                        index.seeds, index.threads);
 }
 
-/// Equal images tell no interval of what their method makes on average: all of them may have missed a rare path. They
-/// do if the method draws no random numbers, as the totals then show: they are equal, too, and no theory says that the
-/// method is right.
+/// Equal images give no interval of their method's mean energy, because all of them may have missed a rare path. Exception: a
+/// method without random numbers, which is recognized by equal totals and is not unbiased by theory.
 void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
     if (!row.footing || row.footing->energy.variance.variance != 0) return;
     if (row.footing->verdict != FootingVerdict::differs || !std::isfinite(row.footing->excess.value)) return;
@@ -348,7 +346,7 @@ std::string other_options(const ResultIndex& index, const ResultFolder& folder) 
     return options;
 }
 
-/// Leaves the contradicted components of a reference unresolved, and warns of them.
+/// Removes the contradicted components from a reference, and warns of them.
 void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, const SceneRows& rows, Reference& reference,
                        Analysis& analysis) {
     const double error = analysis.references.back().relative_error;
@@ -366,7 +364,7 @@ void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, cons
     }
 }
 
-/// Removes the curves of the total, which were judged with components that are no longer judged.
+/// Removes the curves of the total, which include the contradicted components.
 void drop_curves_of_total(const std::string& scene, Analysis& analysis) {
     for (Cell& cell : analysis.cells)
         if (cell.scene == scene)

@@ -235,7 +235,7 @@ private:
             if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
                 now.doubts.open.push_back(c.method);
     }
-    /// A rival ties until there is a time from which on the best method is told apart from it.
+    /// A rival counts as not significantly different until the best method differs significantly from it once.
     void compare_rivals(const std::vector<Contender>& ranking) {
         Crossover& now = changes_.back();
         const Contender& own = of_method(ranking, now.method);
@@ -272,7 +272,7 @@ std::vector<Checkpoint> stored_images(const Cell& cell, const ResultFolder& fold
 /// time budgets of methods end with a pass.
 constexpr double latest = 0.1;
 
-/// The last image by `seconds`; the first one if there is none by then.
+/// The last image up to `seconds`, else the first one.
 Checkpoint image_by(const std::vector<Checkpoint>& images, double seconds) {
     Checkpoint shown = images.front();
     for (const Checkpoint& image : images)

@@ -19,7 +19,7 @@ void widen(std::optional<Estimate>& estimate, const std::optional<Estimate>& oth
     if (estimate && other) widen(*estimate, *other);
 }
 
-/// Widens the interval; the verdict stands if both have it, and not `in_doubt`.
+/// Widens the interval. The verdict becomes inconclusive if both differ, or if `in_doubt`.
 void widen(Footing& footing, const Footing& other, bool in_doubt) {
     widen(footing.excess, other.excess);
     if (footing.verdict == other.verdict && !in_doubt) return;

@@ -1,6 +1,6 @@
 #pragma once
-// Warnings that stand on top of the tables and the report: seconds that do not compare, because unlike processors measured them or
-// something else kept the processor busy, and methods that are not on an equal footing (equal_footing.h).
+// Warnings on top of the tables and the report: times from different or busy processors, and methods whose energy balance
+// differs (equal_footing.h).
 
 #include "experiments/analysis/curves.h"
 #include "experiments/analysis/table_row.h"
@@ -30,11 +30,11 @@ bool calls_for_equal_passes(const Analysis& analysis, const std::string& scene);
 std::optional<Warning> busy_machine(const Analysis& analysis, const std::string& run_command);
 
 /// Warnings that name method and layers: one for each method with layers that differ from the reference; and, where the
-/// reference cannot judge a component of several methods, one for the two methods that differ most surely from each other.
+/// reference is inconclusive in a component, one for the two methods that differ most significantly from each other.
 std::vector<Warning> footing_warnings(const Analysis& analysis);
 
-/// What contradicts a method that is declared unbiased, in the row of its total: "biased, although it is declared unbiased: mean
-/// energy against the reference's `indirect` -3.10 % (-3.80 to -2.40)".
+/// The contradiction of a method that is declared unbiased: "biased, although declared unbiased: mean energy relative to the
+/// reference's `indirect` -3.10 % (-3.80 to -2.40)".
 std::string contradiction(const Analysis& analysis, const TableRow& total);
 /// One for each method of a scene that is biased although it is declared unbiased.
 std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene);

@@ -3,7 +3,7 @@
 // command under the clock, and reads and checks its image.
 // `gibench run` starts the program with the internal subcommand
 // `measure-command request.json`; that process forks a shell with the command, waits, and leaves seconds and memory in
-// result.json. It stands between the two because the peak memory of a process that a large one starts includes that of
+// result.json. It is a process of its own because the peak memory of a process that a large one starts includes that of
 // its parent (ru_maxrss is kept across exec), while this one is small.
 
 #include "experiments/measuring/cell_process.h"

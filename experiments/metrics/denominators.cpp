@@ -11,7 +11,7 @@
 //     E sum over g < h of w_gh (G_g - G_h)^2 / (m^2 (m - 1))  =  Var R E w   (variance_of)
 // whatever the distribution of the noise. Two groups of one fold take the mean of the three weights that leave it out.
 //
-// What is left is E w, which exceeds 1 / (truth^2 + epsilon) because 1 / r^2 is convex: by 3 Var r / r^2 to the second order, and by
+// The remaining bias is that of E w, which exceeds 1 / (truth^2 + epsilon) because 1 / r^2 is convex: by 3 Var r / r^2 to the second order, and by
 // a factor of r^2 / epsilon in pixels that no path has reached. So r is smoothed by the local linear filter of least mean square
 // error (Lee 1980): in windows of 7 x 7 pixels with the mean mu, the scatter S^2 and the mean variance of the noise v,
 //     r <- r + lambda (mu - r),    lambda = min(1, 2 v / S^2).
@@ -51,7 +51,7 @@ struct NoisyValues {
         return sqr(r[j] - r[i]) <= sqr(surely_different) * (variance[i] + variance[j]) ||
                std::max(r[i], r[j]) <= most_ratio * std::min(r[i], r[j]);
     }
-    /// Value i, filtered; it stands at (x, y).
+    /// Value i at (x, y), filtered.
     double smoothed(std::size_t i, int x, int y) const {
         double count = 0, sum = 0, squares = 0, noise = 0;
         for (int v = std::max(0, y - filter_reach); v <= std::min(height - 1, y + filter_reach); ++v)

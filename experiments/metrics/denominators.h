@@ -10,7 +10,7 @@
 
 namespace gib {
 
-/// The images r that stand in r^2 + epsilon, for every layer of a reference.
+/// The images r in r^2 + epsilon, for every layer of a reference.
 class Denominators {
 public:
     /// From the reference's total. Without groups or a standard error, r is the image itself.

@@ -6,17 +6,16 @@
 // of the images knows only those of the samples that occurred. Let x <= s for all samples. Contributions that are too rare to occur
 // have the mean energy D at most, so that their second moments add s D at most:
 //     D^2 >= z^2 V + 2 ln(1 / alpha) s D
-// where V is the variance of X and of R, and z the quantile at alpha. Rare bright light whose samples are as large as s cannot be
-// told from a loss unless D holds more than 2 ln(1 / alpha) of them. This is why the test does not accuse a path tracer that has not
-// yet found a small lamp.
+// where V is the variance of X and of R, and z the quantile at alpha. A loss of light is significant only if
+// D exceeds 2 ln(1 / alpha) samples of size s: a path tracer that has not found a small lamp yet is not rejected.
 //
 // s is the larger of two sizes, each as a part of X. (1) Twice the brightest emitted radiance: combined with multiple importance
 // sampling, a path brings its throughput times the radiance at most, and roulette and guiding may raise a throughput above 1.
 // (2) The largest excess of a pixel over the reference, as if one sample had made it: lights at a point have no brightest radiance.
 //
-// Every sample lights its own pixel alone, so that pixels are independent: the scatter within pixels tells V with thousands of
-// degrees of freedom, though there are two or three images. Methods whose paths light many pixels have no such test, because
-// nothing bounds the light of one path.
+// Every sample lights its own pixel alone, so that pixels are independent: the scatter within pixels estimates V with thousands of
+// degrees of freedom from two or three images. Methods whose paths light many pixels have no such test, because the light of one
+// path has no bound.
 #include "experiments/metrics/energy_test.h"
 
 #include "common/core/math.h"

@@ -1,6 +1,6 @@
 #pragma once
-// The test for equal footing: whether the images of a method hold as much light as the reference. A method that
-// lacks, doubles or scales a class of light paths changes the mean energy of its image; noise and blur do not.
+// The energy balance: whether the images of a method hold as much light as the reference. A method that lacks, doubles or
+// scales a class of light paths changes the mean energy of its image; noise and blur do not.
 
 #include "experiments/metrics/statistics.h"
 #include "experiments/metrics/student_t.h"
@@ -39,15 +39,15 @@ struct Footing {
     /// there is a 99 % interval, over the seeds and the reference's groups (half_width()).
     Estimate excess;
     FootingVerdict verdict = FootingVerdict::inconclusive;
-    bool misses_light = false;  ///< light that no image has met decides its verdict (analysis/unmet_light.h)
+    bool misses_light = false;  ///< unsampled light decides its verdict (analysis/unmet_light.h)
 
-    /// Compares two methods of one scene with each other, where the reference is too noisy to judge them. The excess
+    /// Compares two methods of one scene with each other, where the reference is too noisy. The excess
     /// is (energy - other.energy) / unit.
     Footing against(const Footing& other) const;
 };
 
-/// The interval of a method's excess without what no image can have: less than no light. A mean below 0, as filters with negative
-/// lobes leave it, stays in.
+/// The interval of a method's excess, cut at the excess of a black image. A negative mean, as filters with negative lobes leave
+/// it, stays inside.
 Interval of_light(const Interval& excess, const Footing& footing);
 
 /// Compares `replicates`, images of one component from independent seeds, with the same component `reference`;

@@ -216,7 +216,7 @@ std::optional<Estimate> log_estimate(const ErrorLaw& law, const std::vector<Erro
     return Estimate{*whole, Interval{std::exp(interval.lo), std::exp(interval.hi)}};
 }
 
-/// Adds what the scatter of the runs tells.
+/// Adds the intervals by the scatter of the runs.
 void add_intervals(PriceLaw& price, const Curves& curves) {
     price.without = laws_of(curves.without, curves.start, true);
     price.floorless_without = laws_of(curves.without, curves.start, false);

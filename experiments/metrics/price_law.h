@@ -24,12 +24,12 @@ struct ErrorLaw {
     double error2(double seconds) const;
     /// The time [s] at which the squared error falls to `error2`; empty if the floor is not below it.
     std::optional<double> seconds_to(double error2) const;
-    /// The same law until `seconds`, and from then on with a slope of 1 at most: low-discrepancy points, and runs that have not met
-    /// their rare paths yet, fall faster at first, but the noise of independent samples falls as 1 / t.
+    /// The law up to `seconds`, continued with a slope of at most 1: low-discrepancy points, and runs that have not
+    /// found their rare paths yet, fall faster at first, but the noise of independent samples falls as 1 / t.
     ErrorLaw no_steeper_after(double seconds) const;
 };
 
-/// What a law says about the time to an error that was not measured.
+/// The time to an error by the law, beyond the measured span.
 struct Extrapolation {
     enum class Kind {
         time,      ///< `seconds`, with a 95 % interval
@@ -54,12 +54,12 @@ struct PriceLaw {
     double misfit = 0, floorless_misfit = 0;
     double last_seconds = 0;  ///< the end of the measured span; the law extrapolates beyond it
 
-    /// Whether the runs stand at a floor: its whole interval is above 0.
+    /// Whether the runs have reached an error floor: its interval lies above 0.
     bool stands() const { return floor.interval && floor.interval->lo > 0; }
     /// The time to a squared error that was not measured. The fitted floor does not decide, because 0 is its most common
     /// value where a floor cannot be seen: what decides is how high the floor may be. `has_no_floor`: theory says so, as
-    /// for unbiased methods whose samples are all fresh; runs that stand at one all the same have not met some light yet,
-    /// and nothing tells when they will. Empty then, without intervals, or if the slope is at the end of its range.
+    /// for unbiased methods whose samples are all fresh. Empty without intervals, if the slope is at the end of its range, or if
+    /// such runs have an error floor: unsampled light, whose time is unknown.
     std::optional<Extrapolation> extrapolate(double error2, bool has_no_floor = false) const;
     /// The 95 % interval of the squared error after `seconds`, without interval for fewer than 3 runs.
     Estimate error2_after(double seconds, bool theory_has_no_floor) const;
@@ -71,7 +71,7 @@ struct PriceLaw {
 /// factor solve a linear problem in two unknowns; the slope is found by a one-dimensional search in [0.1, 4].
 /// Intervals come from the delete-one jackknife over whole runs, because the points of one run are correlated, with
 /// Student's t. There are none below 3 runs, nor of a slope at an end of its range. That of the floor holds the floors F
-/// at which the derivative of the residual by F, with the best slope and factor for F, cannot be told from 0: unlike the
+/// at which the derivative of the residual by F, with the best slope and factor for F, does not differ significantly from 0: unlike the
 /// fitted floor, which often is exactly 0, it scatters from run to run. The noise of independent samples falls as 1 / t;
 /// an error that falls faster at first, as with low-discrepancy points, bends as if there were a floor. So the floor's
 /// interval begins at 0 unless the slope at the end of the curve, over the last factor of 4 in t - start, is below 1 with

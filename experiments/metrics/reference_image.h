@@ -45,7 +45,7 @@ struct ReferenceLayer {
 struct Reference {
     ReferenceLayer total;
     std::array<std::optional<ReferenceLayer>, component_count> components;
-    std::vector<Component> unresolved;  ///< those with paths that the reference's method cannot sample
+    std::vector<Component> unresolved;  ///< components that the reference's method samples incompletely or in which it is contradicted
     std::map<std::string, std::string> metadata;
 
     const std::optional<ReferenceLayer>& operator[](Component c) const {

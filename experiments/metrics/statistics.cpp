@@ -112,7 +112,7 @@ VarianceTerm linearised(const Table& k) {
 /// residual_square from the jackknife would make it unbiased, but 95 % intervals from this
 /// difference of two noisy squares cover only 91 % where both orders matter. So half of that is
 /// subtracted, and the result is at least the variance that all squares together give if there is
-/// no first order. For n >= 4, intervals then cover 93 to 98 % at every ratio of the two orders.
+/// no first order. For n >= 4, intervals cover 93 to 98 % at every ratio of the two orders.
 VarianceTerm pair_variance(const Table& k) {
     const auto n = static_cast<double>(k.rows());
     const PairMean pairs = pair_mean(k);
@@ -196,7 +196,7 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
 }
 
 /// A mean of squares may be larger because of values that are too rare for any replicate to show, which the scatter of
-/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not
+/// the replicates do not determine: up to this many times the largest square of a pixel. A value that does not
 /// occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this size on average, with a confidence of
 /// 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a Pareto tail of index a, the squares beyond the
 /// largest one that was seen exceed it a / (a - 1) times on average. The index is taken as 2, the heaviest tail whose

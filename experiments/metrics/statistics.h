@@ -51,7 +51,7 @@ struct ReplicateStatistics {
     double rmse_corrected, rel_mse_corrected;
     std::optional<Estimate> bias2;     ///< from 2 seeds on: mean of (E x - r)^2, unbiased, unclipped
     std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of a replicate
-    /// The same as bias2 for rel_mse_corrected; rel_mse_corrected - rel_bias2 is the part of the variance.
+    /// Relative squared bias, as bias2; rel_mse_corrected - rel_bias2 is the relative variance.
     std::optional<Estimate> rel_bias2;
     /// -2 <mean x - R, G_g - R> / rel_mse_corrected for each group G_g of the reference: how much log rel_mse_corrected changes if
     /// the reference R moves by G_g - R (first order, no unit; ranking.h). Empty without groups, and where rel_mse_corrected is

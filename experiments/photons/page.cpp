@@ -61,7 +61,7 @@ std::array<std::int8_t, 3> bytes_of(const Vec3& n) {
     return {rounded.x(), rounded.y(), rounded.z()};
 }
 
-/// The view of the scene's camera: where it stands, where it looks, and the angle that the image's height spans. A
+/// The view of the scene's camera: position, direction, and the angle that the image's height spans. A
 /// camera with parallel rays is replaced by a distant one.
 json camera_json(const Scene& scene) {
     const Sensor& sensor = scene.sensor();
@@ -77,7 +77,7 @@ json camera_json(const Scene& scene) {
         up = top.o - bottom.o;
         position = scene.bounds().center() - 2.f * scene.diagonal() * direction;
     }
-    // A film of one row tells no direction upwards.
+    // A film of one row has no direction upwards.
     if (!(up.squaredNorm() > 0.f)) up = Frame(direction).s;
     return {{"position", json_of(position)},
             {"direction", json_of(direction)},

@@ -14,7 +14,7 @@ struct PageContent {
     std::string method;  ///< label
     std::uint64_t seed;
     const CollectedLight& light;
-    const ShownImage* estimate = nullptr;  ///< null: a click tells no estimate
+    const ShownImage* estimate = nullptr;  ///< null: a click shows no estimate
 };
 
 /// A photon's power relative to its map's mean as three mantissas and an exponent of 8 bits: c = m 2^(e - 136), rounded;

@@ -68,13 +68,13 @@ struct StoredLightWork {
     std::uint64_t seed = 1;
     std::uint32_t most_passes;                               ///< 1 to 255
     std::size_t most_photons;                                ///< number of photons shown
-    StageTimes::Listener listener = StageTimes::Listener();  ///< is told of the progress
+    StageTimes::Listener listener = StageTimes::Listener();  ///< receives the progress
 };
 
 struct CollectedLight {
     std::vector<PhotonSubset::Map> photons;
     StoredBeams beams;             ///< `emitted`: for those of all passes
-    std::size_t stored_beams = 0;  ///< of which `beams` are some, evenly spaced
+    std::size_t stored_beams = 0;  ///< `beams` are some of them, evenly spaced
     std::vector<StoredRecord> records;
     StoredPatches patches;
     std::uint32_t passes = 0;          ///< number of passes made
@@ -96,7 +96,7 @@ struct ShownImageWork {
     const ConfiguredMethod& method;
     std::uint64_t seed = 1;
     std::uint32_t passes;        ///< a run that converges ends earlier
-    WorkObserver observer = {};  ///< is told of the progress
+    WorkObserver observer = {};  ///< receives the progress
 };
 
 /// An image, and what its estimates use.

@@ -176,7 +176,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     }
 }
 
-/// The texts of a list, or the one that stands there alone.
+/// The texts of a list, or a single text.
 std::vector<TuneFile::Text> read_texts(const TomlReader& reader, const toml::node& node, const char* key,
                                        const char* of_what) {
     if (node.is_string()) return {{reader.string(node, key), reader.at(node)}};

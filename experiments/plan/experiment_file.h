@@ -36,7 +36,7 @@ struct ReferenceGoal {
 
 struct ExperimentScene {
     std::string path;     ///< as the program opens it
-    std::string written;  ///< as it stands in the experiment file
+    std::string written;  ///< as in the experiment file
     std::string name;     ///< the file's name without folder and extension
     SourceLocation where;
     ReferenceGoal goal;

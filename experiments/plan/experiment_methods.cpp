@@ -34,7 +34,7 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     return name;
 }
 
-/// The first word of a command, in which blanks may stand between quotes or after a backslash, as in a shell.
+/// The first word of a command; blanks between quotes or after a backslash belong to it, as in a shell.
 std::string first_word(const std::string& command) {
     std::string word;
     char quote = '\0';

@@ -126,7 +126,7 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
         command = command->get_subcommands().front();
     const auto known = commands_of(*command);
     const auto extras = command->remaining();
-    // The words stand in their order on the command line, which the parser does not keep.
+    // The words in their order on the command line, which the parser does not keep.
     const auto wrong = std::ranges::find_if(
         words, [&](const std::string& word) { return std::ranges::find(extras, word) != extras.end(); });
     const std::string path = command == &app ? "gibench" : "gibench " + command->get_name();

@@ -98,7 +98,7 @@ Json metrics(const Subject& subject, Flip flip) {
     return json;
 }
 
-/// The image without the components that the reference does not resolve; an image without layers of
+/// The image without the components that the reference lacks; an image without layers of
 /// components as it is.
 Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
                    const std::string& path) {

@@ -20,7 +20,7 @@ namespace gib {
 
 namespace {
 
-/// A number of a cell in both runs, as contenders, whose scatter is to be told.
+/// A number of a cell in both runs, as contenders.
 struct Pair {
     Change change;
     Contender before, after;
@@ -51,7 +51,7 @@ public:
         return numbers;
     }
 
-    /// The errors of the methods at equal time, or at equal passes where these stand for seconds.
+    /// The errors of the methods at equal time, or at equal passes (with_passes_for_seconds()).
     std::vector<Pair> errors(const std::vector<std::string>& methods, Change::Of of) const {
         std::vector<Pair> errors;
         for (const std::string& method : methods) {
@@ -75,7 +75,7 @@ private:
         const Contender *a = known(method, before), *b = known(method, after);
         if (!a || !b) return;
         pairs.push_back({{.scene = scene_, .method = method, .of = of, .at = at}, *a, *b});
-        // An error that one of the references does not resolve is not above the noise floor of either.
+        // Errors are at least the larger noise floor of both references.
         if (of != Change::Of::seconds) {
             const double floor = std::max(before_.noise_floor(), after_.noise_floor());
             Pair& pair = pairs.back();

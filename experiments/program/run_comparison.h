@@ -1,10 +1,9 @@
 #pragma once
 // Compares two runs of an experiment cell by cell: has a change of the program made a method better or worse?
 //
-// Errors and times of a cell are compared by their logarithms over the seeds, with the scatter that the methods of a scene tell
-// together (ranking.h). Many numbers are compared, so that each interval is wide enough for all of them to hold together
-// (Bonferroni): of two equal runs, any number is called better or worse in one of twenty comparisons at most. That is as far as
-// seeds tell. The speed of a machine differs from run to run besides, so that a change of time below `same_speed` tells nothing.
+// Errors and times of a cell are compared by their logarithms over the seeds, with the pooled scatter of a scene's methods
+// (ranking.h). All intervals hold together (Bonferroni): at most one in twenty comparisons of equal runs finds a number that is
+// better or worse. The speed of a machine differs between runs, so that a change of time below `same_speed` is inconclusive.
 //
 // `gibench compare-runs`: what has changed between two runs of an experiment.
 
@@ -53,7 +52,7 @@ struct RunComparison {
 /// that only one of the runs has are one method if their short names are equal, or else if they alone are left of those whose
 /// names begin alike (method_names.h). Errors are compared after the time that the shorter of both runs
 /// took; where a busy machine or another one makes times useless, also after the passes that the shorter of both made. An error
-/// below what one of the references resolves counts as equal to that. Times are compared where all seeds
+/// below the noise floor of a reference counts as that floor. Times are compared where all seeds
 /// of both runs have reached an error.
 RunComparison compare_runs(const Analysis& before, const Analysis& after);
 
@@ -64,7 +63,7 @@ struct CompareRunsOptions {
 };
 
 /// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at` passes) or `seconds` (to the relative RMSE `at`);
-/// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
+/// `before_is_floor` is `yes` where the error was below the noise floor of a reference and is replaced by it.
 CsvTable change_table(const RunComparison& comparison);
 /// The numbers of each cell in words, the remarks, and a summary.
 std::string change_text(const RunComparison& comparison);

@@ -140,7 +140,7 @@ void MakerAgreement::read(const std::string& path, const std::string& state) {
                 (*makers)[m] = groups_in(file, kind, m);
         }
     } catch (const InputError&) {
-        // A damaged file tells nothing, as if it were not there.
+        // A damaged file counts as missing.
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // Where the batches of a reference come from: from its folder of batches, where other processes may have left them, or
-// from the makers.
+// from the reference methods.
 
 #include "experiments/references/makers.h"
 #include "experiments/references/store.h"
@@ -13,13 +13,13 @@ namespace gib {
 class Batches {
 public:
     /// `path` is that of the reference, `key` decides the seeds. `keeps_all`: batches that are made go into the folder,
-    /// so that other processes find them; else only those that have taken long, which Ctrl-C shall not lose.
+    /// so that other processes find them; else only batches that have taken long, for Ctrl-C.
     Batches(const std::vector<ReferenceMaker>& makers, std::string key, const std::string& path, bool keeps_all);
 
     bool has(const ReferenceBatch& batch) const { return folder_.has(batch); }
     /// Throws Interrupted on Ctrl-C.
     MadeBatch made(const ReferenceBatch& batch);
-    /// Removes those from the folder that made() has returned so far: the reference's file holds their rounds.
+    /// Removes the batches that made() has returned so far; the reference's file holds their rounds.
     void remove_used();
     void remove_all() const { folder_.remove_all(); }
 

@@ -15,13 +15,13 @@ namespace gib {
 
 namespace {
 
-constexpr double least_share_of_work = 0.01;  ///< a maker of less is left out
-constexpr double second_opinion = 0.1;        ///< share of the work of the second maker, at least
-/// Significance level at which a maker lacks light that another one has found. A false alarm costs time and no bias.
+constexpr double least_share_of_work = 0.01;  ///< a method of less is left out
+constexpr double second_opinion = 0.1;        ///< share of the work of the second method, at least
+/// Significance level at which a method lacks light that another one has found. A false alarm costs time and no bias.
 constexpr double lacking_alpha = 0.001;
-constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes none of a component
-/// The best maker does the work, but for the second opinion, unless all together are predicted to be sooner by more than this
-/// factor: a maker that has all the work makes more passes in a row.
+constexpr double least_weight = 0.1;  ///< a method of less weight makes none of a component
+/// The best method does the work, except the second opinion, unless all together are predicted to be faster by more than this
+/// factor: a method with all the work makes more passes in a row.
 constexpr double least_gain = 1.1;
 /// The variance of a pass is foreseen to fall with the number of passes to the power of minus this at most, and up to so many times
 /// the passes of the pilot: by 8 in all. The lamp's edges in cornell-box.xml fall by 20 from 16 to 1024 passes, direct light by 1.4.
@@ -34,8 +34,8 @@ constexpr double outdone_by = 2;
 
 bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
 
-/// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light
-/// in it beyond doubt and another one does not.
+/// Variance times work, V_cm, of every component and method; infinite where the method cannot sample the component, or lacks light
+/// in it significantly and another one does not.
 class Costs {
 public:
     Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon, double work)
@@ -49,7 +49,7 @@ public:
             if (pilots.front().groups.front()[c]) measure(c, blocks);
     }
 
-    /// Whether some maker has seen light of the component.
+    /// Whether some method has found light of the component.
     bool is_lit(Component c) const {
         const auto has_light = [&](const ComponentImages& group) { return group[c] && !is_black(*group[c]); };
         return std::ranges::any_of(
@@ -63,7 +63,7 @@ public:
 private:
     bool samples(std::size_t m, Component c) const { return !has(pilots_[m].unresolved, c); }
 
-    /// r^2 + epsilon of the error's definition, by block: r is the mean of the makers' total light.
+    /// r^2 + epsilon of the error's definition, by block: r is the mean of the methods' total light.
     void set_denominators(const std::vector<std::vector<ComponentImages>>& blocks, const std::optional<double>& given) {
         std::vector<double> total;
         for (Component c : all_components) {
@@ -108,7 +108,7 @@ private:
         leave_out_lacking(c, blocks, costs);
     }
 
-    /// Makes the costs of makers that lack light infinite, unless no other would be left.
+    /// Makes the costs of methods that lack light infinite, unless no other would remain.
     void leave_out_lacking(Component c, const std::vector<std::vector<ComponentImages>>& blocks,
                            std::vector<double>& costs) const {
         std::vector<double> left = costs;
@@ -136,7 +136,7 @@ private:
         return variances;
     }
 
-    /// The factor by which the variance of a pass of maker m is foreseen to be smaller in the reference than in the pilot's last
+    /// The factor by which the variance of a pass of method m is foreseen to be smaller in the reference than in the pilot's last
     /// round. With the sum S of the pixels' variances of a pass in the first round and in the last, log(S_last / S_first) has the
     /// variance sum over pixels of (s_last / S_last - s_first / S_first)^2, where pixels are independent and none outweighs the
     /// others. Only the fall beyond two standard errors counts, and none where a few bright pixels decide.
@@ -201,7 +201,7 @@ std::vector<double> shares_of_work(const std::vector<std::vector<double>>& costs
     return shares;
 }
 
-/// The costs that decide the shares: of the components that some maker samples and whose pilot has shown noise.
+/// The costs that decide the shares: of the components that some method samples and whose pilot has shown noise.
 std::vector<std::vector<double>> judged_costs(const Costs& costs) {
     std::vector<std::vector<double>> judged;
     for (Component c : all_components) {
@@ -233,7 +233,7 @@ std::vector<std::uint32_t> passes_of_unit(const std::vector<double>& work, const
     return passes;
 }
 
-/// Sets the weights of component c and returns the precision of the shares' sum, 1 / variance. Where no maker samples
+/// Sets the weights of component c and returns the precision of the shares' sum, 1 / variance. Where no method samples
 /// the component, or it is black so far, the busiest one makes it, and the result is 0.
 double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     double precision = 0, busiest = 0;
@@ -261,8 +261,8 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     return is_judged ? kept : 0;
 }
 
-/// The sum over components of the costs of maker m. With `known`, costs that are infinite count ten times the largest of another
-/// maker instead.
+/// The sum over components of the costs of method m. With `known`, infinite costs count ten times the largest finite one of the
+/// component.
 double sum_of_costs(const std::vector<std::vector<double>>& judged, std::size_t m, bool known) {
     double sum = 0;
     for (const auto& of_component : judged) {
@@ -286,7 +286,7 @@ double error2_work(const std::vector<std::vector<double>>& judged, const std::ve
     return sum;
 }
 
-/// The maker other than `first` with the least costs.
+/// The method other than `first` with the least costs.
 std::size_t second_maker(const std::vector<std::vector<double>>& judged, std::size_t makers, std::size_t first) {
     std::size_t second = first == 0 ? 1 : 0;
     for (std::size_t m = 0; m < makers; ++m)
@@ -294,8 +294,8 @@ std::size_t second_maker(const std::vector<std::vector<double>>& judged, std::si
     return second;
 }
 
-/// Gives each maker that is needed a tenth of the work at least: one that can make a component where no busy one can, and a
-/// second opinion.
+/// Gives each needed method a tenth of the work at least: the best of a component that no busy method makes, and a second
+/// opinion.
 void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>>& judged, std::vector<double>& work) {
     std::vector<bool> needed(work.size());
     for (Component c : all_components) {
@@ -411,7 +411,7 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
     const std::vector<std::vector<double>> judged = judged_costs(costs);
     std::vector<double> work = shares_of_work(judged, methods.size());
     add_needed_makers(costs, judged, work);
-    std::vector<double> alone;  // infinite for a maker that cannot make everything
+    std::vector<double> alone;  // infinite for a method that cannot make everything
     for (std::size_t m = 0; m < methods.size(); ++m)
         alone.push_back(sum_of_costs(judged, m, false));
     const auto best = std::ranges::min_element(alone);

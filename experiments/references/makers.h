@@ -1,27 +1,26 @@
 #pragma once
 // The methods that make a reference together, and how their images are combined.
 //
-// A reference of `auto` takes every unbiased method as a maker. A pilot measures for each maker m and component c the
-// variance of one pass, relative as the reference's error is and averaged over the image, times the work of a pass:
-// V_cm. Work is the number of rays and of camera samples, times MethodDescription::ray_cost, rather than a time, so that
-// it is the same in every run on every machine. It need tell the time of a pass only roughly: shares that are off cost
-// time and no bias. If maker m gets the share t_m of the work, the combination of its images of c with weights in
-// proportion to t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m make the sum over components of
-// these variances as small as possible. If that gains little over the best maker, this one does nine tenths of the work. A second
-// one always gets a tenth, so that there is something to compare with (agreement.h). Where a maker would weigh less than
-// a tenth, it makes none of a component: little is gained by its images, and their rare bright hits might be missing. Weights and shares are fixed before
-// the images that they weigh are made, so the combination is unbiased.
+// The reference methods of `auto` are all unbiased methods. A pilot measures for each method m and component c the variance of one
+// pass, relative as the reference's error and averaged over the image, times the work of a pass: V_cm. Work is the number of rays
+// and of camera samples, times MethodDescription::ray_cost: unlike time, it is the same on every machine. Wrong work costs time, but
+// no bias. If method m gets the share t_m of the work, the combination of the images of c with weights in proportion to t_m / V_cm
+// has the least variance, 1 / sum over m of (t_m / V_cm). The shares t_m minimize the sum of these variances over the components. If
+// that gains little over the best method, the best method does nine tenths of the work. A second method always gets a tenth, for the
+// comparison of both (agreement.h). A method with a weight below a tenth has none in a component: its images gain little, and may
+// lack rare bright hits. Weights and shares are fixed before the images are made, so the combination is unbiased.
 //
 // Sobol' points make the variance of a pass smaller the more passes a batch has, and a short pilot has few of them. Where it has
-// fallen from the pilot's first round to its last beyond doubt, it is taken to fall on by the same power of their number.
+// fallen from the pilot's first round to its last beyond doubt, it is extrapolated by the same power of their number.
 //
-// Where a maker leaves out paths, a consistent method may make its remainder (MethodDescription::remainder), even if another maker
-// needs none: the costs count variance alone, and the bias stands in the reference's error. Both are one maker then, named METHOD+OTHER, whose images carry an estimate of their bias.
+// For a method that leaves out paths, a consistent method may add the light that only merging finds (MethodDescription::remainder).
+// Both count as one reference method, METHOD+OTHER, whose images carry an estimate of their bias. Costs count variance alone; the
+// bias is part of the reference's error.
 //
-// A maker that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore
-// the light that it lacks in the pilot, compared with another maker, counts as its variance too: light of mean L that no
-// sample of n has found has a variance of at least n L^2 a sample. That is only a bound: a maker that lacks light beyond doubt
-// takes no part in the component, if there is another maker that lacks none.
+// A method that seldom samples a class of bright paths shows no variance until it has found the first of them. Therefore light that
+// it lacks in the pilot, compared with another method, counts as variance: light of mean L that none of n samples has found has a
+// variance of at least n L^2 a sample. That is only a bound: a method that lacks light significantly takes no part in the component,
+// if another method lacks none.
 
 #include "common/reader/scene_file.h"
 #include "experiments/metrics/reference_image.h"
@@ -36,16 +35,16 @@
 
 namespace gib {
 
-/// One maker of a reference.
+/// A method that makes a reference, alone or with others.
 class ReferenceMaker {
 public:
-    /// `values` are those of the reference's label. `takes_remainder`: the method's remainder is made too, if the
-    /// scene has one and some method can.
+    /// `values` are those of the reference's label. `takes_remainder`: another method adds the light that only
+    /// merging finds, if the scene has such light and a method can.
     ReferenceMaker(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
                    bool takes_remainder);
 
     const std::string& name() const { return name_; }
-    /// The components some paths of which it leaves out.
+    /// The components that it samples incompletely.
     const std::vector<Component>& unresolved() const { return unresolved_; }
     bool makes_remainder() const { return remainder_ != nullptr; }
 
@@ -61,16 +60,16 @@ private:
     const LoadedScene& scene_;
     const MethodDescription& method_;
     MethodLabel label_, remainder_label_;
-    const MethodDescription* remainder_ = nullptr;  ///< the method that makes the remainder; null: none does
+    const MethodDescription* remainder_ = nullptr;  ///< the method for light that only merging finds; null: none
     std::string name_;
     std::vector<Component> unresolved_;
 };
 
-/// The part of one maker in each unit of a reference's work.
+/// The part of one method in each unit of a reference's work.
 struct MakerShare {
     std::string method;
     std::uint32_t passes = 1;
-    std::array<double, component_count> weights{};  ///< image weights by component; they sum to 1 over the makers
+    std::array<double, component_count> weights{};  ///< image weights by component; they sum to 1 over the methods
 
     double& weight(Component c) { return weights[static_cast<std::size_t>(index_of(c))]; }
 };
@@ -79,18 +78,18 @@ struct MakerShare {
 struct MakerPilot {
     std::vector<ComponentImages> groups;             ///< the mean of each group's passes
     std::uint32_t passes = 0;                        ///< number of passes in each group
-    std::vector<ComponentImages> first_groups = {};  ///< those of the first round; empty: there was no other round
+    std::vector<ComponentImages> first_groups = {};  ///< of the first round; empty: there was no other round
     std::uint32_t first_passes = 0;
     double work = 0;                    ///< work of all groups (MadeBatch::work)
-    std::vector<Component> unresolved;  ///< components that the maker cannot sample
+    std::vector<Component> unresolved;  ///< components that the method samples incompletely
 };
 
 struct MakerPlan {
-    std::vector<MakerShare> shares;  ///< in the order of the makers; those of 0 passes take no part
+    std::vector<MakerShare> shares;  ///< in the order of the methods; 0 passes: takes no part
     double error2_work = 0;          ///< the predicted squared relative error times the work that it takes
     double unit_work = 0;            ///< work of one unit
-    /// By maker: whether a longer pilot can leave it out, because it would get no work even if it cost half of what the pilot
-    /// shows. At least two are left.
+    /// By method: whether a longer pilot can leave it out, because it would get no work even at half of its cost in the pilot. At
+    /// least two remain.
     std::vector<bool> outdone;
 };
 /// The plan of least variance. The pilots have the same components. `epsilon` is that of the error [radiance^2]; none:
@@ -98,17 +97,17 @@ struct MakerPlan {
 MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
                                  const std::optional<double>& epsilon, double work = 0);
 
-/// Takes a component from the maker `lesser`: the others make it, or `greater` if none of them did.
+/// Takes a component from the method `lesser`: the others make it, or `greater` if none of them did.
 void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t lesser, std::size_t greater);
 
 /// As text, for a reference's metadata, and back; empty if the text is none.
 std::string text_of(const std::vector<MakerShare>& shares);
 std::vector<MakerShare> shares_in(const std::string& text);
 
-/// The passes of all makers in so many units.
+/// The passes of all methods in so many units.
 std::uint64_t passes_in(const std::vector<MakerShare>& shares, std::uint64_t units);
 
-/// The images of a unit, and their bias: the weighted sum over its makers.
+/// The images of a unit, and their bias: the weighted sum over its methods.
 ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images);
 
 }  // namespace gib

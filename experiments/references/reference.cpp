@@ -153,8 +153,8 @@ private:
         return reference;
     }
 
-    /// The shares of an earlier session, whose images the stored groups hold. Makers that the program did not have then, the last
-    /// ones, take no part.
+    /// The shares of an earlier session, whose images the stored groups hold. Methods that are new since then, the last ones, take
+    /// no part.
     bool take_stored_shares() {
         std::vector<MakerShare> stored = shares_in(stored_shares_);
         if (stored.empty() || stored.size() > rounds_.shares.size()) return false;
@@ -166,7 +166,7 @@ private:
         return true;
     }
 
-    /// Measures the makers and decides their shares. Returns false if others have to make the pilot's batches.
+    /// Measures the methods and decides their shares. Returns false if other processes have to make the pilot's batches.
     bool run_pilot() {
         Pilot pilot(makers_, work_.goal, work_.epsilon);
         const auto show = [&](const std::string& maker) {

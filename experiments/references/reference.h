@@ -3,7 +3,7 @@
 // its own, until the standard error, which is estimated from the groups, is small enough. An existing file is topped
 // up rather than made again.
 //
-// Where a target ends it, nothing depends on time: the makers' shares and the passes of every round follow from the
+// Where a target ends it, nothing depends on time: the methods' shares and the passes of every round follow from the
 // images and from counts of rays, so that the reference is the same bit for bit on every machine of one processor type,
 // with any number of threads, and whoever made its batches. Time decides only where a time limit comes into sight.
 
@@ -21,8 +21,7 @@
 
 namespace gib {
 
-/// The methods of a reference of this label (reference_methods()); for `auto` without those that do in this scene what another one
-/// does.
+/// The methods of a reference of this label (reference_methods()); for `auto` without methods that equal another one in this scene.
 std::vector<const MethodDescription*> methods_for(const LoadedScene& scene, const MethodLabel& label);
 
 struct ReferenceWork {
@@ -43,7 +42,7 @@ struct FinishedReference {
     double relative_error = 0;          ///< relative standard error of the total
     double epsilon = 0;                 ///< epsilon of this error [radiance^2]
     std::string identity;               ///< key and passes of each group; changes when the file is topped up
-    std::vector<std::string> warnings;  ///< target missed, heavy tails, unresolved components, a file made again
+    std::vector<std::string> warnings;  ///< target missed, heavy tails, components not sampled, a file made again
     std::uint32_t rounds_added = 0;
     /// Batches to be made by others before the reference can go on; empty: it has reached its goal.
     std::vector<ReferenceBatch> missing = {};

@@ -68,7 +68,7 @@ RoundImages Rounds::add(Batches& batches, const std::function<void(double passes
     RoundImages by_maker(shares.size());
     DroppedSamples dropped = groups.dropped;
     double seconds = 0, work = 0;
-    std::vector<ComponentImages> round, group(shares.size());  // images of one group, by maker
+    std::vector<ComponentImages> round, group(shares.size());  // images of one group, by method
     const std::vector<ReferenceBatch> all = next_batches();
     for (std::size_t i = 0; i < all.size(); ++i) {
         show(static_cast<double>(i) / static_cast<double>(all.size()) * passes);

@@ -25,7 +25,7 @@ struct ReferenceError {
     double value() const { return std::sqrt(square); }
 };
 
-/// The images of a round by maker: the groups of each, for tests of whether the makers agree.
+/// The images of a round by method and group, for tests of whether the methods agree.
 using RoundImages = std::vector<std::vector<ComponentImages>>;
 
 class Rounds {
@@ -33,13 +33,13 @@ public:
     Rounds(const std::vector<ReferenceMaker>& makers, const ReferenceGoal& goal, std::optional<double> epsilon);
 
     ReferenceGroups groups;
-    std::vector<MakerShare> shares;  ///< by maker; all alike until a pilot has decided
+    std::vector<MakerShare> shares;  ///< by method; all equal until a pilot has decided
     PilotCosts pilot;                ///< of a pilot of this session
 
     /// Estimates the reference and its error from the groups.
     void estimate();
     const Reference& reference() const { return reference_; }
-    /// That of the error [radiance^2].
+    /// The epsilon of the error [radiance^2].
     double epsilon() const { return used_epsilon_; }
     const ReferenceError& error() const { return error_; }
 
@@ -55,7 +55,7 @@ public:
     std::pair<double, double> progress(double passes_of_round) const;
 
     /// Makes the next round; an interrupted one does not count. `show` receives the passes of the round that are done.
-    /// Returns the makers' images if there are several.
+    /// Returns the images by method if there are several methods.
     RoundImages add(Batches& batches, const std::function<void(double passes)>& show);
     /// Gives up all rounds. The next ones have new seeds.
     void restart();

@@ -21,7 +21,7 @@ constexpr int most_rounds_ahead = 16;
 /// more of them a batch has.
 constexpr double first_share = 1.0 / 3;
 
-/// The number of units in which some maker makes fewest_passes.
+/// The number of units in which some method makes fewest_passes.
 std::uint64_t fewest_units(const std::vector<MakerShare>& shares) {
     std::uint32_t most = 1;
     for (const MakerShare& share : shares)

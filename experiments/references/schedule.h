@@ -14,7 +14,7 @@ namespace gib {
 /// The state of a reference between two rounds.
 struct ReferenceState {
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
+    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one method
     double error = 0;    ///< relative standard error that is to fall to the target; unknown before the first round
     double work = 0;     ///< work of all rounds (MadeBatch::work); 0: unknown
     double seconds = 0;  ///< time of all rounds and the pilot

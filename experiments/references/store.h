@@ -27,7 +27,7 @@ struct DroppedSamples {
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
+    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one method
     double seconds = 0;        ///< wall-clock, all rounds and the pilot together
     double work = 0;           ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
@@ -54,15 +54,15 @@ private:
 };
 
 struct ReferenceBatch {
-    std::uint32_t maker = 0;          ///< its place among the makers of the reference
+    std::uint32_t maker = 0;          ///< place of its method among those of the reference
     std::uint32_t number = 0;         ///< decides the seed (batch_seed())
     std::uint32_t passes = 1;         ///< passes that it makes
-    std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
+    std::uint64_t passes_before = 0;  ///< earlier passes of this method in the group; merging methods go on from there
 
     friend bool operator==(const ReferenceBatch&, const ReferenceBatch&) = default;
 };
 
-/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
+/// The seed of a method's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
 std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
 
 /// The mean image of a batch and what it took to make it.
@@ -103,7 +103,8 @@ struct GivenReference {
     std::vector<std::string> notes;  ///< remarks that tables have to make about it
 };
 
-/// The same for a run, from one image or from several replicates, whose scatter gives the standard error. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
+/// A reference for a run, from one image or from several replicates, whose scatter gives the standard error. A note says if the
+/// standard error is unknown (no layer `stderr`, no groups).
 /// Throws InputError also if the image is black or has values that are not finite.
 GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
                                const std::map<std::string, std::string>& scene);

@@ -81,7 +81,7 @@ Section look_section(const Analysis& analysis) {
     return section;
 }
 
-/// How the time of a row to an error stands beside those of the other methods.
+/// The rank of a row's time to an error among all methods.
 Mark mark_of(const Analysis& analysis, const TableRow& row, std::size_t target) {
     if (!time_field(row, target).is_measured()) return Mark::grey;
     for (const Contender& c : Contest(analysis, row.scene, row.layer).to_error(target))
@@ -165,7 +165,10 @@ Section verdict_section(const Analysis& analysis) {
         for (const VerdictRow& v : verdict(analysis, scene))
             section.rows.push_back(
                 {.scene = scene,
-                 .entries = {{v.method.empty() ? "none" : v.method, Mark::none, v.method, v.remark},
+                 .entries = {{!v.target          ? "no verdict"
+                              : v.method.empty() ? "none"
+                                                 : v.method,
+                              Mark::none, v.method, v.remark},
                              {v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
                              {v.seconds, v.is_best                 ? Mark::best
                                          : v.seconds.is_measured() ? Mark::none

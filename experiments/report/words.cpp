@@ -113,7 +113,7 @@ public:
     std::vector<VerdictRow> verdict() const {
         if (contest_.methods() == 0) return {};
         if (!contest_.is_judged())
-            return {VerdictRow{.remark = fmt::format("no verdict: the reference lacks or is contradicted in {}",
+            return {VerdictRow{.remark = fmt::format("the reference is incomplete or contradicted in {}",
                                                      words_of(analysis_.unjudged(scene_)))}};
         std::vector<VerdictRow> rows;
         for (const std::size_t target : asked_targets) {
@@ -164,7 +164,7 @@ private:
                 .remark = std::move(remark)};
     }
 
-    /// For each method name other than the first one's, the label that stands first.
+    /// The first label of each method name other than the first one's.
     std::vector<std::string> best_of_other_names(const std::vector<std::string>& methods) const {
         std::set<std::string> named = {name_in(methods.front())};
         std::vector<std::string> best;
@@ -313,7 +313,7 @@ std::string csv_state(const Field& field) {
 std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
-    if (!row.contradicted_in.empty()) return "bias, although declared unbiased";
+    if (!row.contradicted_in.empty()) return "bias; declared unbiased";
     const Field share = bias_share_field(row);
     const auto percent = [](double value) { return whole_percent(value) + " %"; };
     switch (share.state) {
@@ -327,7 +327,7 @@ std::string error_kind(const TableRow& row) {
         case State::inconclusive:
             if (!row.floor_known) return "inconclusive: reference's error unknown";
             return row.statistics->rel_bias2 && row.statistics->rel_bias2->interval ? "inconclusive"
-                                                                                    : "inconclusive: needs two seeds";
+                                                                                    : "needs two seeds";
         default:
             return "";
     }

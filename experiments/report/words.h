@@ -1,6 +1,6 @@
 #pragma once
-// Words for table.md, the report and the terminal: fields as text, what a method's error is made of, what the method leaves out,
-// how it stands beside the best one, and which method is cheapest.
+// Words for table.md, the report and the terminal: fields as text, bias or noise of a method's error, missing light, the
+// relation to the best method, and the cheapest method.
 
 #include "experiments/analysis/field.h"
 #include "experiments/analysis/ranking.h"
@@ -53,7 +53,7 @@ struct LookWords {
 };
 
 /// The images of a scene after `seconds`, in the order of Contest::after(): the smallest error first, methods that leave out
-/// light after those that have all, those without an image last.
+/// light after complete ones, methods without an image last.
 struct SceneLook {
     double seconds = 0;
     std::vector<LookWords> methods = {};
@@ -63,7 +63,7 @@ SceneLook scene_look(const Analysis& analysis, const std::string& scene);
 /// Indices into target_errors of the errors for which the cheapest method is named: 5 % and 1 %.
 inline constexpr std::array<std::size_t, 2> asked_targets = {1, 3};
 
-/// A method in the verdict about an error that is to be reached.
+/// A method in the verdict about an error to reach.
 struct VerdictRow {
     std::optional<std::size_t> target = {};  ///< index into target_errors; empty: of all of them
     std::string method = "";                 ///< empty: no method is the cheapest, and `remark` says why
@@ -73,7 +73,7 @@ struct VerdictRow {
     std::string parts = "";   ///< components that hold the squared error: "90 % caustic, 10 % indirect"
     std::string kind = "";    ///< bias or noise: error_kind()
     std::string doubts = "";  ///< about the first: doubts()
-    std::string remark = "";  ///< how it stands beside the others, and what it leaves out
+    std::string remark = "";  ///< its rank, and the light that it leaves out
     bool is_best = false;
     bool is_tie = false;  ///< best with a rival, or rival: not significantly different
 };

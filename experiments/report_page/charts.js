@@ -120,7 +120,7 @@ const spectrumTip = (item) => [item.dataset.label,
 
 /**
  * A chart with its heading and canvas. `make` returns {sets, xAxis, yAxis, tip, words, nothing}; if no set has
- * points, the text `nothing` stands in place of the chart.
+ * points, the text `nothing` replaces the chart.
  */
 class ChartPanel {
   constructor(place, heading, note, make) {

@@ -2,7 +2,7 @@
 // Pictures of a cell, and the colours in which the report shows them.
 //
 // Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
-// the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
+// the compared total (judgement.h) after 1, 2, 4, 8, ... passes.
 //
 // The FLIP of a complete cell is kept beside its image. It is measured once, after all cells are timed, and its time is
 // never charged.

@@ -8,7 +8,7 @@ namespace gib {
 
 namespace {
 
-/// The list: each name stands here alone. Messages say what `sentence` makes of the value before and after.
+/// All quantities. A message is `sentence` with the values before and after.
 struct Description {
     const char* name;
     std::string Differences::*effect;

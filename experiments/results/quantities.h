@@ -13,7 +13,7 @@ namespace gib {
 /// Values as text, by the names of the quantities.
 using Quantities = std::map<std::string, std::string>;
 
-/// `unjudged`: components that hold light and are no part of the total, because the reference does not resolve them.
+/// `unjudged`: lit components that are no part of the total, because the reference lacks them.
 Quantities quantities_of(const ResultIndex& index, const IndexScene& scene, const Components& unjudged);
 
 /// The quantities in which two runs differ: "epsilon was 0.1 and is 0.001"; empty if there is none. Those that only one of them

@@ -42,7 +42,7 @@ struct CellIdentity {
 
 struct CellCheckpoint {
     Checkpoint checkpoint;
-    std::map<Layer, ImageError> errors;  ///< of the total and each judged component
+    std::map<Layer, ImageError> errors;  ///< of the total and each component of the reference
 };
 
 /// One complete cell.

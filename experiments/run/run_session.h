@@ -4,7 +4,7 @@
 //
 // The names of a cell, which is one scene with one method and one seed:
 //   CellIdentity  everything that decides its result, and its key (result_folder.h)
-//   WorkCell      its place in the list of what is to be measured, and its record if it is complete (work_list.h)
+//   WorkCell      its place in the list of cells, and its record if it is complete (work_list.h)
 //   CellRequest   the files and settings that its process receives (cell_process.h)
 //   Cell          the stored record: what measure() found, with errors against the reference (result_folder.h)
 

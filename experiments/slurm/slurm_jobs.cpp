@@ -26,7 +26,7 @@ static auto json_fields(RecordOf<PlannedBatch> auto& b) {
 
 namespace {
 
-/// A file of this folder. `what` it is stands in the message.
+/// A file of this folder. `what`: its content, for the message.
 template <typename Record>
 Record read_record(const std::string& path, const char* what) {
     try {

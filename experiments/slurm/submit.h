@@ -5,7 +5,7 @@
 //
 // A reference ends at a target that nobody knows the way to in advance. Therefore the job that adds up the batches
 // predicts, by the 1 / sqrt(n) law, the rounds that are left, and submits their batches and itself again, or else the cells.
-// What is short enough it does itself. The result is the same bit for bit as a local run's.
+// Short work it does itself. The result is the same bit for bit as a local run's.
 //
 // Each job begins when those before it have ended, however they ended, and works with what is there. Nothing hangs on a
 // task that failed: the same command submits what is missing.

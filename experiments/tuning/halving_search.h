@@ -36,7 +36,7 @@ using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(cons
                                                                             std::uint64_t round, double budget)>;
 
 struct SearchOutcome {
-    /// The latest trial of every setting that was measured, the best first; trials of longer runs stand before those that
+    /// The latest trial of every setting that was measured, the best first; trials of longer runs come before those that
     /// were given up earlier. A time that several rounds have measured is their geometric mean.
     std::vector<Trial> trials = {};
     bool is_cut = false;  ///< whether time ran out before the rounds were done

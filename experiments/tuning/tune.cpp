@@ -22,18 +22,18 @@ namespace gib {
 
 namespace {
 
-/// Shares of the whole time: of the reference, and of a reference that does not resolve the target by then. The search has its share
+/// Shares of the whole time: of the reference, and of a reference whose noise still hides the target. The search has its share
 /// of what the reference leaves, or would leave if it took all of its time.
 constexpr double reference_share = 0.25, latest_reference_share = 0.5, search_share = 0.6;
 
 /// Each round of the search has the next seed from the first one on, because the best of many settings is partly the luckiest
-/// with the seed that chose it. The final runs judge by seeds that have chosen nothing, 1 to final_seeds. Their budgets leave time
+/// with the seed that chose it. The final runs have fresh seeds, 1 to final_seeds. Their budgets leave time
 /// for at least fewest_seeds.
 constexpr std::uint64_t first_search_seed = 1001, final_seeds = 5, fewest_seeds = 3;
-/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison. What the
-/// first round has measured by its end is the cover.
+/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison. The
+/// settings of the first round are the cover.
 constexpr double charged_share = 0.6, first_round_end = 0.7;
-/// Final runs may take this many times as long as the target is expected to take, because seeds and the load of the machine
+/// Final runs may take this many times the expected time to the target, because seeds and the load of the machine
 /// differ.
 constexpr double ample = 2;
 /// The shortest budget of a final run [s]: a machine that halts a process for some milliseconds must not end it before the target.

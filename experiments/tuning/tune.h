@@ -11,7 +11,7 @@ namespace gib {
 /// Searches on one scene, measures the best settings with fresh seeds and prints them to `out`, the best label first and a
 /// line with the verdict of each method last. The folder options.out gets tables and the report of the final runs, with
 /// `tune.json` (tuning_result.h) and a section about the search. The same command goes on after an interruption. Returns the
-/// exit code: 0 found, 1 no method reached the target, or the reference does not resolve it. Throws InputError, and
+/// exit code: 0 found, 1 no method reached the target, or the reference's noise hides it. Throws InputError, and
 /// Interrupted.
 int tune(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options, std::ostream& out);
 

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The reference goes on while its error is above this share of the target. Nothing is judged if it ends above the larger one: its
-/// variance is subtracted from squared errors, but is itself known only to some per cent, and is then as large as what is left.
+/// The reference goes on while its error is above this share of the target. There is no tuning if it ends above the larger one: its
+/// variance is subtracted from squared errors, but is itself known only to some per cent, and can be as large as the remaining error.
 constexpr double wanted_reference_error = 0.5, most_reference_error = 0.7;
 
 /// Text as a TOML basic string.
@@ -95,7 +95,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     RunScene& scene = session_->setup.scenes.front();
     const double target = parse_target(file_.target), wanted_error = wanted_reference_error * target,
                  most_error = most_reference_error * target;
-    std::optional<double> error;  // of the light that is judged; none: there is none
+    std::optional<double> error;  // relative standard error; none: the reference samples no light
     for (const double limit : {seconds, most_seconds}) {
         scene.entry.goal.seconds = limit;
         session_->make_references();

@@ -108,7 +108,7 @@ TEST(Verdicts, NeverNameAMethodThatLeavesOutLightOfAComponent) {
     EXPECT_THAT(markdown_table(analysis), HasSubstr("| light of caustic, indirect |"));
 }
 
-TEST(Verdicts, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
+TEST(Verdicts, NameNoMethodWhereAPartOfTheLightHasNoVerdict) {
     Analysis analysis = crossing();
     analysis.references.emplace_back();
     analysis.references[0].scene = "box";
@@ -116,7 +116,7 @@ TEST(Verdicts, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
     const auto rows = verdict(analysis, "box");
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].method, "");
-    EXPECT_EQ(rows[0].remark, "the reference does not judge the light of caustic");
+    EXPECT_EQ(rows[0].remark, "the reference is incomplete or contradicted in caustic");
     EXPECT_TRUE(crossovers(analysis).empty());
     EXPECT_TRUE(pareto_frontier(analysis).empty());
     for (const EqualTimeRow& row : equal_time_rows(analysis))
@@ -145,7 +145,7 @@ TEST(FootingWarnings, CallABlackImageBlackAlsoWithoutAnInterval) {
     EXPECT_THAT(warnings[0].sentence, HasSubstr("`total` is black"));
 }
 
-TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
+TEST(FootingWarnings, CompareMethodsWhereTheReferenceIsInconclusive) {
     Analysis analysis;
     analysis.index.seeds = 4;
     const Estimate unknown{0.1, Interval{-0.2, 0.4}};
@@ -158,8 +158,8 @@ TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
     const auto warnings = footing_warnings(analysis);
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_EQ(warnings[0].kind, Warning::Kind::energy_differs);
-    EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("`indirect` differs between methods"), HasSubstr("b has +3.00 %"),
-                                            HasSubstr("over a")));
+    EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("methods differ in mean energy of `indirect`"),
+                                            HasSubstr("b has +3.00 %"), HasSubstr("over a")));
     analysis.rows[1].footing->excess.interval.reset();
     EXPECT_EQ(footing_warnings(analysis).size(), 0u) << "all images of b are equal: they have missed the same paths";
     analysis.rows[1].footing->excess.interval = unknown.interval;

@@ -52,8 +52,8 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("effects_missing"), "refraction;caustics");
     EXPECT_EQ(value("flip"), "0.125");
     EXPECT_THAT(markdown_table(analysis),
-                HasSubstr("| box | path | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
-                          "not reached | 0 | 0.125 | refraction, caustics |"));
+                HasSubstr("| box | path | 0.500 | 4.00 (3.00 to 5.00) | needs two seeds | 0 | 0.125 | "
+                          "refraction, caustics |"));
 }
 
 // Files may have such names, and a title may have several lines.
