@@ -8,8 +8,8 @@
 
 namespace gib {
 
-/// The components of a scene that hold light, by its reference and by the images of its methods. A verdict about the whole
-/// image needs a reference of all of them.
+/// The components of a scene that hold light, by its reference and by the images of its methods. A verdict about the
+/// whole image needs a reference of all of them.
 class SceneLight {
 public:
     /// Records which components are lit in the reference, and which of them it samples completely.

@@ -1,7 +1,7 @@
 #pragma once
 // Compares methods with each other: which is closest to the reference after the same time, when this changes, which
-// checkpoints lie on the Pareto frontier of time and error, how bias falls with a parameter, and which stored image each method
-// shows at equal time.
+// checkpoints lie on the Pareto frontier of time and error, how bias falls with a parameter, and which stored image
+// each method shows at equal time.
 
 #include "experiments/analysis/ranking.h"
 #include "experiments/analysis/table_row.h"
@@ -20,7 +20,8 @@ struct EqualTimeRow {
     std::vector<Contender> ranking;  ///< by squared errors
     double noise_floor;
 };
-/// The rows of every scene with two methods or more that have an image at equal time. A total without a verdict has no row.
+/// The rows of every scene with two methods or more that have an image at equal time. A total without a verdict has no
+/// row.
 std::vector<EqualTimeRow> equal_time_rows(const Analysis& analysis);
 
 /// A checkpoint that no other checkpoint of any method beats: none is as close to the reference in less time, or
@@ -32,8 +33,8 @@ struct FrontierPoint {
     Field relative_rmse;  ///< of the total
     Doubts doubts = {};   ///< at that time
 };
-/// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose reference has all
-/// light. Points are ordered by scene and time.
+/// The Pareto frontier over the checkpoints of all methods, for every scene with two methods or more whose reference
+/// has all light. Points are ordered by scene and time.
 std::vector<FrontierPoint> pareto_frontier(const Analysis& analysis);
 
 /// A change of the best method: from `seconds` on, `method` is closer to the reference than the others.
@@ -77,12 +78,13 @@ struct BiasLaw {
     /// The exponent that theory gives for light that is smooth; empty if it gives none.
     std::optional<double> theory = {};
 };
-/// One for every numeric parameter that takes three values or more in labels that are otherwise equal, unless the method is
-/// unbiased.
+/// One for every numeric parameter that takes three values or more in labels that are otherwise equal, unless the
+/// method is unbiased.
 std::vector<BiasLaw> bias_laws(const Analysis& analysis);
 
-/// The looks of all methods of one scene, after one_label_a_method(), at Contest::equal_time(). A method without an image at
-/// that time shows its first image and has no error. FLIP reads the images from the folder and compares frames at their own size.
+/// The looks of all methods of one scene, after one_label_a_method(), at Contest::equal_time(). A method without an
+/// image at that time shows its first image and has no error. FLIP reads the images from the folder and compares frames
+/// at their own size.
 std::vector<EqualTimeLook> equal_time_looks(const Analysis& analysis, const std::string& scene,
                                             const Judgement& judgement, const ResultFolder& folder);
 

@@ -50,7 +50,8 @@ inline Field measured(const Estimate& e, Unit unit = Unit::number) {
     return {State::measured, e.value, e.interval, unit};
 }
 inline Field measured(double value, Unit unit = Unit::number) { return {State::measured, value, std::nullopt, unit}; }
-/// A relative RMSE from its square. Below the reference's noise it is an upper bound: the end of its interval, but at least
+/// A relative RMSE from its square. Below the reference's noise it is an upper bound: the end of its interval, but at
+/// least
 /// `noise_floor`; without an interval, the estimate plus `noise_floor`.
 inline Field resolved(const Estimate& error2, double noise_floor) {
     if (!(noise_floor > 0 && error2.value <= noise_floor)) return measured(error2, Unit::root);

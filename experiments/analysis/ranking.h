@@ -1,15 +1,17 @@
 #pragma once
 // Ranks methods: which one is best, which ones do not differ significantly from it, and which ones are unknown.
 //
-// The logarithms of errors and times are compared. Few seeds estimate a method's own scatter s_i^2 badly: with 3 seeds and 2 degrees of freedom t is 6.96 at 98 %. The methods of a comparison together
-// have D = sum (n_i - 1) degrees of freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally
-// noisy, though. So the mean of method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is
-// larger, in addition (s_i^2 - s^2) / n_i with n_i - 1. Unsampled light does not contribute to the scatter.
+// The logarithms of errors and times are compared. Few seeds estimate a method's own scatter s_i^2 badly: with 3 seeds
+// and 2 degrees of freedom t is 6.96 at 98 %. The methods of a comparison together have D = sum (n_i - 1) degrees of
+// freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally noisy, though. So the mean of
+// method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is larger, in addition
+// (s_i^2 - s^2) / n_i with n_i - 1. Unsampled light does not contribute to the scatter.
 //
-// All methods are compared with one reference R = r + h. Its noise h favours those methods whose images err in its direction: to
-// first order it changes log E_i, E_i = mean w (x_i - R)^2, by u_i = -2 mean w (x_i - R) h / E_i. So the difference of two methods
-// has in addition the variance of u_i - u_j, which the scatter over the reference's m groups gives with m - 1 degrees of freedom.
-// The logarithms of times shift by as much as those of errors, because squared errors fall as 1 / time.
+// All methods are compared with one reference R = r + h. Its noise h favours those methods whose images err in its
+// direction: to first order it changes log E_i, E_i = mean w (x_i - R)^2, by u_i = -2 mean w (x_i - R) h / E_i. So the
+// difference of two methods has in addition the variance of u_i - u_j, which the scatter over the reference's m groups
+// gives with m - 1 degrees of freedom. The logarithms of times shift by as much as those of errors, because squared
+// errors fall as 1 / time.
 
 #include "experiments/analysis/curves.h"
 #include "experiments/metrics/statistics.h"
@@ -53,7 +55,8 @@ struct Contender {
     std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
 };
 
-/// Significance level of the difference of two methods. It is below that of the intervals, because many pairs are compared.
+/// Significance level of the difference of two methods. It is below that of the intervals, because many pairs are
+/// compared.
 inline constexpr double tie_tail = 0.02;
 
 /// Sets `log_mean` and `scatter` of each contender from the seeds of all.
@@ -62,12 +65,12 @@ void set_scatter(std::vector<Contender>& contenders);
 /// The variances of the difference of two logarithms: by the scatter of both, and by the noise of the reference.
 std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& b);
 
-/// Whether `better` is significantly smaller than `worse` (half_width()), also with the light that the reference may have missed.
-/// False for one seed.
-bool are_told_apart(const Contender& better, const Contender& worse);
+/// Whether `better` is significantly smaller than `worse` (half_width()), also with the light that the reference may
+/// have missed. False for one seed.
+bool differ_significantly(const Contender& better, const Contender& worse);
 
-/// The contenders in order, with their standings: complete ones with known numbers by their means, ended runs, methods that leave
-/// out light, methods without an image. Only a complete one with a known number can be best.
+/// The contenders in order, with their standings: complete ones with known numbers by their means, ended runs, methods
+/// that leave out light, methods without an image. Only a complete one with a known number can be best.
 std::vector<Contender> ranked(std::vector<Contender> contenders);
 
 /// The first one if it is the best; null if none is.
@@ -106,8 +109,8 @@ public:
     std::vector<Contender> after(double seconds) const;
     /// By the time to target_errors[target]. A seed that has not reached it gives its whole time as a lower bound.
     std::vector<Contender> to_error(std::size_t target) const;
-    /// By the squared error of the final images; for methods whose runs ended earlier than those of the best, by that of
-    /// their law at that time.
+    /// By the squared error of the final images; for methods whose runs ended earlier than those of the best, by that
+    /// of their law at that time.
     std::vector<Contender> by_final_images() const;
 
 private:
@@ -115,7 +118,8 @@ private:
     bool is_complete(const TableRow& row) const;
     /// Sets the bounds of a method's error after `seconds` by its law.
     void extrapolate(Contender& contender, double seconds) const;
-    /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is that floor.
+    /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is
+    /// that floor.
     void set_errors(Contender& contender, const Runs& cells, double seconds) const;
 
     const Analysis& analysis_;

@@ -36,15 +36,15 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
 /// A lower bound below this many times the measured span is no more than "not reached".
 constexpr double least_bound = 2;
 /// Unsampled light is neglected for errors whose squares are this many times as large: it is half a percent of them.
-constexpr double unmet_factor = 100;
+constexpr double unsampled_factor = 100;
 
-/// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit` divides it
-/// [s]. A time within the span is no extrapolation: the first image was better already, or the points scatter about the law.
-/// The law does not hold for unsampled light.
+/// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit`
+/// divides it [s]. A time within the span is no extrapolation: the first image was better already, or the points
+/// scatter about the law. The law does not hold for unsampled light.
 Field field_of(const TableRow& row, double error2, double unit) {
     const auto not_reached = [](const char* reason) { return Field{.state = State::not_reached, .reason = reason}; };
     if (!row.law) return not_reached("");
-    if (row.unmet >= error2) return not_reached("unsampled light");
+    if (row.unsampled >= error2) return not_reached("unsampled light");
     const PriceLaw& law = *row.law;
     const auto time = law.extrapolate(error2, row.is_unbiased);
     if (!time) return not_reached(row.seeds < 3 ? "needs three seeds" : "no law fits");
@@ -57,7 +57,7 @@ Field field_of(const TableRow& row, double error2, double unit) {
     if (!(time->seconds > law.last_seconds)) return not_reached("the law puts it within the runs");
     if (!law_reaches(law, time->seconds)) return not_reached("beyond 100 times the runs");
     const double least = time->interval ? std::max(time->interval->lo, law.last_seconds) : time->seconds;
-    if (!time->interval || unmet_factor * row.unmet > error2)
+    if (!time->interval || unsampled_factor * row.unsampled > error2)
         return least > least_bound * law.last_seconds ? Field{State::at_least, least / unit}
                                                       : not_reached("the law gives no bound beyond twice the runs");
     return {State::extrapolated, time->seconds / unit, Interval{least / unit, time->interval->hi / unit}};
@@ -169,17 +169,6 @@ Field floor_field(const TableRow& row) {
     return positive(floor, Unit::root);
 }
 
-Field floor_bias_field(const TableRow& row) {
-    if (!floor_field(row).is_measured() || !row.statistics) return {};
-    const auto& bias2 = row.statistics->rel_bias2;
-    const double floor = row.law->floor.value;
-    if (!bias2 || !bias2->interval || (bias2->interval->lo <= 0 && bias2->interval->hi >= floor))
-        return {State::inconclusive};
-    const auto part = [&](double value) { return std::clamp(value, 0.0, floor); };
-    if (bias2->interval->lo >= floor) return measured(floor, Unit::root);
-    return positive({part(bias2->value), Interval{part(bias2->interval->lo), part(bias2->interval->hi)}}, Unit::root);
-}
-
 double least_resolved(const ReferenceLayer& layer, const Denominators& denominators) {
     const double variance = denominators.variance_of(layer).variance.variance;
     const double floor = noise_floor_of(layer, denominators);
@@ -210,16 +199,16 @@ Field bias2_field(const TableRow& row) {
     return row.is_unbiased ? Field{State::unbiased} : positive(*row.statistics->bias2);
 }
 
-double unmet_share(const TableRow& row) {
+double unsampled_share(const TableRow& row) {
     constexpr double least = 0.1;
     if (!row.statistics || !(row.statistics->rel_mse_corrected > 0)) return 0;
-    const double share = row.unmet / row.statistics->rel_mse_corrected;
+    const double share = row.unsampled / row.statistics->rel_mse_corrected;
     return share < least ? 0 : std::min(share, 1.0);
 }
 
 Field variance_field(const TableRow& row) {
     if (!row.statistics || !row.statistics->variance) return {};
-    return unmet_share(row) > 0 ? Field{State::inconclusive} : measured(*row.statistics->variance);
+    return unsampled_share(row) > 0 ? Field{State::inconclusive} : measured(*row.statistics->variance);
 }
 
 Field bias_share_field(const TableRow& row) {

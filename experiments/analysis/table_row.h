@@ -4,7 +4,7 @@
 
 #include "common/scene/effects.h"
 #include "experiments/analysis/field.h"
-#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/energy_balance.h"
 #include "experiments/metrics/price_law.h"
 #include "experiments/metrics/robust_error.h"
 #include "experiments/metrics/spectrum.h"
@@ -32,33 +32,34 @@ struct TableRow {
     std::string name = {};  ///< short name of the method (method_names.h)
     Layer layer = Layer::total;
     int seeds = 0;
-    double seconds = 0;                                  ///< mean charged seconds of the final images
-    double prepare_seconds = 0;                          ///< mean seconds of preparation
-    std::uint32_t least_passes = 0, most_passes = 0;     ///< of the seeds
-    std::optional<ReplicateStatistics> statistics = {};  ///< empty: the reference lacks the layer or is contradicted in it
+    double seconds = 0;                               ///< mean charged seconds of the final images
+    double prepare_seconds = 0;                       ///< mean seconds of preparation
+    std::uint32_t least_passes = 0, most_passes = 0;  ///< of the seeds
+    std::optional<ReplicateStatistics> statistics =
+        {};  ///< empty: the reference lacks the layer or is contradicted in it
     std::optional<RobustError> robust = {};
     std::optional<NoiseSpectrum> noise = {};
     std::vector<SpectrumPoint> bias = {};
     std::array<std::optional<Estimate>, target_errors.size()> times = {};  ///< times to each of target_errors [s]
     std::array<int, target_errors.size()> reached = {};  ///< number of seeds that have reached each of them
-    std::optional<Footing> footing = {};                 ///< mean energy against the reference's
+    std::optional<EnergyBalance> balance = {};           ///< mean energy against the reference's
     std::optional<PriceLaw> law = {};                    ///< law of the error against time
-    std::optional<Estimate> last_halving = {};  ///< factor by which time grew while the error fell to half
-    std::uint64_t nonfinite = 0;                ///< samples that were not finite, of all seeds
-    double peak_rss_mib = 0;                    ///< the largest of all seeds
-    Effects effects_missing = {};               ///< effects that the method leaves out
+    std::optional<Estimate> last_halving = {};           ///< factor by which time grew while the error fell to half
+    std::uint64_t nonfinite = 0;                         ///< samples that were not finite, of all seeds
+    double peak_rss_mib = 0;                             ///< the largest of all seeds
+    Effects effects_missing = {};                        ///< effects that the method leaves out
     /// Noise floor of the reference [relative squared error], Analysis::noise_floor(), and of light that it
-    /// may have missed (unmet_light.h).
+    /// may have missed (unsampled_light.h).
     double noise_floor = 0;
     std::optional<double> flip = {};  ///< HDR-FLIP of the final images, mean over pixels and seeds; of the total alone
     double epsilon = 0;               ///< epsilon of the relative errors [radiance^2]
     Components components_missing = {};  ///< lit components that the method samples incompletely
     bool is_unbiased =
         false;  ///< bias^2 is 0 by theory (row_fields.h), against a reference of known error, and no energy contradicts that
-    /// Layers of the method in which it declares itself unbiased, but has another mean energy than the reference (energy_test.h):
-    /// that of the row itself, in the row of the total those of all rows.
+    /// Layers of the method in which it declares itself unbiased, but has another mean energy than the reference
+    /// (energy_test.h): that of the row itself, in the row of the total those of all rows.
     std::vector<Layer> contradicted_in = {};
-    double unmet = 0;                 ///< squared relative error that is unsampled light (unmet_light.h)
+    double unsampled = 0;             ///< squared relative error that is unsampled light (unsampled_light.h)
     bool has_times = true;            ///< false: its curves include components in which the reference is contradicted
     bool is_external = false;         ///< rendered by the command of another renderer
     bool floor_known = true;          ///< false: the reference has no standard error, and noise_floor is 0
@@ -66,11 +67,11 @@ struct TableRow {
 
     /// Whether the method has all light of the scene.
     bool is_complete() const { return effects_missing.empty() && components_missing.empty(); }
-    bool has_verdict(FootingVerdict verdict) const { return footing && footing->verdict == verdict; }
+    bool has_verdict(BalanceVerdict verdict) const { return balance && balance->verdict == verdict; }
 };
 
-/// Seed 1's last stored image up to the time at which all methods are compared, or at most a tenth later; else its first
-/// (comparison.h).
+/// Seed 1's last stored image up to the time at which all methods are compared, or at most a tenth later; else its
+/// first (comparison.h).
 struct EqualTimeLook {
     std::string scene, method;
     std::uint32_t passes = 0;

@@ -37,11 +37,11 @@ std::string signed_percent(const Estimate& e) {
 
 /// Whether the images of a row are black where the reference is not.
 bool is_black(const TableRow& row) {
-    return row.footing && row.footing->energy.value == 0 && row.footing->excess.value < 0;
+    return row.balance && row.balance->energy.value == 0 && row.balance->excess.value < 0;
 }
 
 std::string component_text(const TableRow& row) {
-    const Estimate& excess = row.footing->excess;
+    const Estimate& excess = row.balance->excess;
     return fmt::format("`{}` {}", name_of(row.layer),
                        is_black(row)                 ? "is black"
                        : std::isfinite(excess.value) ? signed_percent(excess)
@@ -57,8 +57,8 @@ struct Disagreement {
 };
 
 void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>& surest) {
-    const Footing pair = a.footing->against(*b.footing);
-    if (pair.verdict != FootingVerdict::differs || !pair.excess.interval) return;
+    const EnergyBalance pair = a.balance->against(*b.balance);
+    if (pair.verdict != BalanceVerdict::differs || !pair.excess.interval) return;
     if (pair.excess.value < 0) return consider(b, a, surest);
     const double half = pair.excess.interval->hi - pair.excess.value;
     const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
@@ -181,19 +181,19 @@ std::vector<Warning> contradicted_declarations(const Analysis& analysis, const s
     return warnings;
 }
 
-std::vector<Warning> footing_warnings(const Analysis& analysis) {
+std::vector<Warning> balance_warnings(const Analysis& analysis) {
     std::vector<Warning> differing;
     InconclusiveRows groups;
     const TableRow* last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        // Excluded: methods that leave out light of the component, for a known reason; equal images, without an interval; images
-        // with unsampled light.
-        if (row.has_verdict(FootingVerdict::inconclusive) && row.effects_missing.empty() &&
-            !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
+        // Excluded: methods that leave out light of the component, for a known reason; equal images, without an
+        // interval; images with unsampled light.
+        if (row.has_verdict(BalanceVerdict::inconclusive) && row.effects_missing.empty() &&
+            !row.components_missing.touches(row.layer) && row.balance->excess.interval && !row.balance->misses_light)
             groups[{row.scene, row.layer}].push_back(&row);
         // Black images need no interval, unless theory says that they have only missed the light so far.
         const bool all_black = row.layer == Layer::total && is_black(row) && !row.is_unbiased;
-        if (!row.has_verdict(FootingVerdict::differs) && !all_black) continue;
+        if (!row.has_verdict(BalanceVerdict::differs) && !all_black) continue;
         // Rows of one method are joined in one sentence.
         if (last && last->scene == row.scene && last->method == row.method)
             differing.back().sentence += ", " + component_text(row);

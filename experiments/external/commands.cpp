@@ -98,8 +98,8 @@ std::vector<pid_t> children() {
     return found;
 }
 
-/// Kills what a command has left behind, in whatever group or session. An orphan becomes a child of this process, which is a
-/// subreaper; each round therefore finds the children of those that the last one has killed.
+/// Kills what a command has left behind, in whatever group or session. An orphan becomes a child of this process, which
+/// is a subreaper; each round therefore finds the children of those that the last one has killed.
 void kill_descendants() {
     constexpr int most_rounds = 1000;  // some processes may not be killed, such as those of another user
     for (int round = 0; round < most_rounds; ++round) {

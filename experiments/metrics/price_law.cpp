@@ -158,8 +158,8 @@ struct Curves {
             others.push_back(floor_derivative(curve, start, floor));
         return *jackknife(floor_derivative(all, start, floor), others, missed).interval;
     }
-    /// The highest floor that the runs allow; the last squared error if even 0 is too high for them, because then the law
-    /// does not describe them.
+    /// The highest floor that the runs allow; the last squared error if even 0 is too high for them, because then the
+    /// law does not describe them.
     double highest_floor(double missed) const {
         const double end = all.back().error2;
         const auto allows = [&](double floor) { return derivative(floor, missed).lo <= least_derivative; };

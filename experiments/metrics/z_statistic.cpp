@@ -10,13 +10,12 @@
 // Heavy tails make the test conservative if d is symmetric (Efron 1969, "Student's t-test under symmetry conditions";
 // Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But the noise of
 // path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small an s. With s
-// alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below
-// the value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
-// variances of the reference or of the test, whichever gives more (one of them has met the rare paths), or evenly if the reference
-// has no standard error.
-// Blocks that are too dark are tested with the variance that the hypothesis predicts, blocks that are too bright with
-// their own, whose growth with S bounds T. The price is a weaker test where the noise of the image
-// varies from block to block in another way than that of the reference.
+// alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below the
+// value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
+// variances of the reference or of the test, whichever gives more (one of them has met the rare paths), or evenly if
+// the reference has no standard error. Blocks that are too dark are tested with the variance that the hypothesis
+// predicts, blocks that are too bright with their own, whose growth with S bounds T. The price is a weaker test where
+// the noise of the image varies from block to block in another way than that of the reference.
 //
 // Replicates show whether pixels share noise, as with photon maps, by the ratio of the variance of their block means
 // to the sum of the variances of their pixels. If this ratio is above 1 beyond its own uncertainty, V is multiplied
@@ -217,8 +216,8 @@ void raise_to_surroundings(std::vector<BlockSums>& blocks, const std::vector<dou
     }
 }
 
-/// Raises in proportion to the variances of the reference and of the test, as far as known; without the reference's, to the
-/// numbers of pixels.
+/// Raises in proportion to the variances of the reference and of the test, as far as known; without the reference's, to
+/// the numbers of pixels.
 void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool x_known, bool r_known) {
     std::vector<double> variances;
     for (const BlockSums& block : blocks)

@@ -150,9 +150,9 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
     arrays.add("patch-indices", patches.patches);
 }
 
-/// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
-/// meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2 diffusely, so that
-/// an estimate is made there.
+/// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where
+/// they meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2
+/// diffusely, so that an estimate is made there.
 void add_pixel_places(const Scene& scene, const PixelGrid& grid, Arrays& arrays) {
     std::vector<Position> points;
     std::vector<std::array<std::int8_t, 3>> normals;

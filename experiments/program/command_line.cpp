@@ -133,8 +133,8 @@ int run_on(ExecutorOptions executor, const RunOptions& options) {
     return submit_run(options, executor.slurm, std::cout);
 }
 
-/// Makes `work(*options)` the action of a command, whose exit code is 0 if that returns none. The options live as long as
-/// the command.
+/// Makes `work(*options)` the action of a command, whose exit code is 0 if that returns none. The options live as long
+/// as the command.
 template <typename Options, typename Work>
 void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
     command->callback([=, &action] {

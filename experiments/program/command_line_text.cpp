@@ -84,7 +84,8 @@ public:
     }
 };
 
-/// The parts of the script that depend on the program: the commands, each with those above it, and what may follow each of them.
+/// The parts of the script that depend on the program: the commands, each with those above it, and what may follow each
+/// of them.
 struct KnownCommands {
     std::vector<std::string> names;
     std::string cases;  ///< of bash's `case`

@@ -159,8 +159,8 @@ std::vector<Image> biases_in(const std::vector<LayeredImage>& files, const std::
     return biases.size() == files.size() ? biases : std::vector<Image>();
 }
 
-/// Several images of a layer are its replicates, and so are their biases; a single image may have a standard error of its
-/// own.
+/// Several images of a layer are its replicates, and so are their biases; a single image may have a standard error of
+/// its own.
 ReferenceLayer tested_layer(const std::vector<Image>& images, const std::vector<Image>& biases,
                             const ReferenceLayer* own) {
     if (images.size() > 1) {

@@ -36,8 +36,8 @@ public:
         return before_.cells().count(method) > 0 && after_.cells().count(method) > 0;
     }
 
-    /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in both
-    /// runs.
+    /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in
+    /// both runs.
     std::vector<std::vector<Pair>> all(const std::vector<std::string>& methods) const {
         std::vector<std::vector<Pair>> numbers = {errors(methods, Change::Of::error)};
         for (std::size_t t = 0; t < target_errors.size(); ++t) {
@@ -104,7 +104,8 @@ private:
     Contest before_, after_;
 };
 
-/// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is none yet.
+/// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is
+/// none yet.
 void judge(Pair& pair, double tail) {
     Change& change = pair.change;
     const double squares = change.of == Change::Of::seconds ? 1 : 2;  // contenders have squared errors
@@ -118,7 +119,8 @@ void judge(Pair& pair, double tail) {
         change.factor.interval = Interval{std::min(change.factor.value, std::exp(log_factor - half)),
                                           std::max(change.factor.value, std::exp(log_factor + half))};
     if (change.verdict != ChangeVerdict::inconclusive || !change.factor.interval) return;
-    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root, but none at equal passes.
+    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root, but none at equal
+    // passes.
     const double same = change.of == Change::Of::error_at_passes ? 1 : std::pow(same_speed, 1 / squares);
     if (change.factor.interval->hi < 1 / same) change.verdict = ChangeVerdict::better;
     if (change.factor.interval->lo > same) change.verdict = ChangeVerdict::worse;

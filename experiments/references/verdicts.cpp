@@ -20,10 +20,6 @@ constexpr double heavy_tail_share = 0.5;
 /// from the one that is free of it by this factor.
 constexpr double skewed_by = 1.25;
 
-bool holds(const std::vector<Component>& components, Component c) {
-    return std::ranges::find(components, c) != components.end();
-}
-
 /// Remarks on the standard error of a reference.
 std::vector<std::string> warnings_of_noise(const Rounds& rounds) {
     std::vector<std::string> warnings;
@@ -46,10 +42,10 @@ std::vector<std::string> warnings_of_noise(const Rounds& rounds) {
 
 }  // namespace
 
-Verdicts::Verdicts(const std::vector<ReferenceMaker>& makers)
-    : makers_(makers), unresolved_(all_components.begin(), all_components.end()), agreement_(makers.size()) {
-    for (const ReferenceMaker& maker : makers)
-        std::erase_if(unresolved_, [&](Component c) { return !holds(maker.unresolved(), c); });
+Verdicts::Verdicts(const std::vector<ReferenceMethod>& methods)
+    : methods_(methods), unresolved_(all_components.begin(), all_components.end()), agreement_(methods.size()) {
+    for (const ReferenceMethod& method : methods)
+        std::erase_if(unresolved_, [&](Component c) { return !contains(method.unresolved(), c); });
 }
 
 void Verdicts::read(const std::string& file, const std::string& state, const std::string* unresolved) {
@@ -58,20 +54,20 @@ void Verdicts::read(const std::string& file, const std::string& state, const std
 }
 
 void Verdicts::keep_pilot(const Pilot& pilot) {
-    for (std::size_t m = 0; m < makers_.size(); ++m)
+    for (std::size_t m = 0; m < methods_.size(); ++m)
         agreement_.set_pilot(m, pilot.groups_of(m));
 }
 
-void Verdicts::keep_round(const RoundImages& images, const std::vector<MakerShare>& shares, std::uint32_t passes) {
-    for (std::size_t m = 0; m < makers_.size(); ++m)
+void Verdicts::keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t passes) {
+    for (std::size_t m = 0; m < methods_.size(); ++m)
         if (!images[m].empty()) agreement_.add(m, images[m], passes * shares[m].passes);
 }
 
-bool Verdicts::leaves_out_lacking(std::vector<MakerShare>& shares) {
+bool Verdicts::leaves_out_lacking(std::vector<MethodShare>& shares) {
     const auto samples = [&](std::size_t m, Component c) {
-        return !holds(makers_[m].unresolved(), c) && !lacks_.count({m, c});
+        return !contains(methods_[m].unresolved(), c) && !lacks_.count({m, c});
     };
-    const std::vector<Disagreement> all = agreement_.between_makers(samples);
+    const std::vector<Disagreement> all = agreement_.between_methods(samples);
     const auto found = std::ranges::find_if(
         all, [&](const Disagreement& one) { return shares[one.lesser()].weight(one.component) > 0; });
     if (found == all.end()) return false;
@@ -88,7 +84,7 @@ bool Verdicts::leaves_out_lacking(std::vector<MakerShare>& shares) {
 bool Verdicts::compare_with_pilots(const Rounds& rounds) {
     const auto all = agreement_.with_pilots(rounds.groups.groups());
     for (const Disagreement& found : all) {
-        if (!holds(unresolved_, found.component)) unresolved_.push_back(found.component);
+        if (!contains(unresolved_, found.component)) unresolved_.push_back(found.component);
         lacking_.push_back(fmt::format("'{}' has found light of {} that the reference lacks: {}; no verdict on it",
                                        rounds.shares[found.a].method, name_of(found.component), text_of(found.where)));
     }

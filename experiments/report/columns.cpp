@@ -90,7 +90,7 @@ const std::vector<RowColumn>& row_columns() {
         {"rel_mse_resolved", "", "squared relative error below which the reference's noise hides differences",
          [](RowRef r) { return r.floor_known ? measured(r.noise_floor) : Field{}; }},
         {"rel_mse_unmet", "", "part of `rel_mse` that is unsampled light: lit in the reference, black in every seed",
-         of<&TableRow::unmet>},
+         of<&TableRow::unsampled>},
         {"rmse", "radiance", "root mean squared error against the reference, whose own variance is included",
          of<statistics, &S::rmse>, 95},
         {"rmse_corrected", "radiance", "`rmse` with the reference's own variance subtracted from its square",
@@ -111,9 +111,9 @@ const std::vector<RowColumn>& row_columns() {
         {"energy_excess", "",
          "(mean of the method - mean of the reference) as a share of the reference's mean, or of a hundredth of the "
          "total's mean if that is more",
-         [](RowRef r) { return r.footing ? measured(r.footing->excess) : Field{}; }, 99},
+         [](RowRef r) { return r.balance ? measured(r.balance->excess) : Field{}; }, 99},
         {"footing", "", "energy balance: `agrees` within 1 %, `differs` or `inconclusive`",
-         [](RowRef r) { return r.footing ? name_of(r.footing->verdict) : ""; }},
+         [](RowRef r) { return r.balance ? name_of(r.balance->verdict) : ""; }},
         {"seconds_to_10pct", "s", "time to a relative RMSE of 10 %", time_to<0>, 95},
         {"seconds_to_10pct_state", "",
          "`measured`: all seeds have reached the error. `some seeds`: not all of them. By the fitted law: "

@@ -1,7 +1,8 @@
 #pragma once
 // The data of the report's charts as JSON: curves and spectra of each scene, by component.
 //
-// The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder (tuning_result.h).
+// The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder
+// (tuning_result.h).
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/results/result_folder.h"

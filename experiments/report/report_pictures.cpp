@@ -106,8 +106,8 @@ struct SceneFiles {
     LayeredImage image(const Cell& cell) const { return read_image(folder.cell_image(folder_of(cell))); }
 };
 
-/// The bias of each pixel, the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon), and half the width of its
-/// 95 % interval, from the scatter of the seeds and the reference's standard error.
+/// The bias of each pixel, the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon), and half the width
+/// of its 95 % interval, from the scatter of the seeds and the reference's standard error.
 struct BiasMap {
     std::vector<float> bias, half_width;
 };

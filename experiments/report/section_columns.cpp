@@ -71,7 +71,6 @@ const std::vector<SectionColumn>& section_columns() {
          [](RowRef r) { return r.last_halving ? measured(*r.last_halving) : Field{}; },
          "factor by which time grew while the error fell to half, as measured"},
         {in_laws, "error floor %", "", floor_field, "relative RMSE that remains however long the method runs"},
-        {in_laws, "bias in the error floor %", "", floor_bias_field, "root of the bias^2 in the squared error floor"},
         {in_laws, "slope", "", slope_field, "slope of the law; independent samples have 1"},
         {in_laws, "largest deviation from the law %", "", misfit_field,
          "largest relative deviation of a measured squared error"},

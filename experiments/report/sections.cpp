@@ -118,28 +118,28 @@ Section row_section(const Analysis& analysis, RowSection which, std::string titl
 }
 
 /// Whether a row's component is black in the method's images and in the reference.
-bool is_black(const Footing& footing) { return footing.energy.value == 0 && footing.excess.value == 0; }
+bool is_black(const EnergyBalance& balance) { return balance.energy.value == 0 && balance.excess.value == 0; }
 
-Section footing_section(const Analysis& analysis) {
+Section balance_section(const Analysis& analysis) {
     Section section{"Energy balance",
                     "Mean energy relative to the reference's, with 99 % intervals.",
                     {},
                     {},
                     Section::Kind::words};
     if (analysis.index.seeds < 2) section.sentence += " Intervals need two seeds or more.";
-    const auto warnings = footing_warnings(analysis);
+    const auto warnings = balance_warnings(analysis);
     for (const auto& scene : scenes_of(analysis)) {
-        std::map<FootingVerdict, int> counts;
+        std::map<BalanceVerdict, int> counts;
         for (const TableRow& row : analysis.rows)
-            if (row.scene == scene && row.footing && !is_black(*row.footing)) ++counts[row.footing->verdict];
-        const int agree = counts[FootingVerdict::agrees], differ = counts[FootingVerdict::differs];
-        const int inconclusive = counts[FootingVerdict::inconclusive], all = agree + differ + inconclusive;
+            if (row.scene == scene && row.balance && !is_black(*row.balance)) ++counts[row.balance->verdict];
+        const int agree = counts[BalanceVerdict::agrees], differ = counts[BalanceVerdict::differs];
+        const int inconclusive = counts[BalanceVerdict::inconclusive], all = agree + differ + inconclusive;
         if (all == 0) continue;
         section.rows.push_back(
             {.scene = scene,
              .sentence = fmt::format("of {} components and totals that are not black, {} within {:.0f} %, {} beyond, "
                                      "{} inconclusive (intervals: `energy_excess` of `table.csv`).",
-                                     all, agree, 100 * footing_tolerance, differ, inconclusive)});
+                                     all, agree, 100 * balance_tolerance, differ, inconclusive)});
         for (const Warning& w : warnings)
             if (w.scene == scene)
                 section.rows.push_back({.scene = scene, .sentence = sentence_of(w), .is_warning = true});
@@ -353,7 +353,7 @@ std::vector<Section> sections(const Analysis& analysis) {
         warning_section(analysis),
         look_section(analysis),
         verdict_section(analysis),
-        footing_section(analysis),
+        balance_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
             "Seconds until the relative RMSE reaches the percentage above. A measured time is the mean over the seeds, "

@@ -41,8 +41,9 @@ struct Section {
     Kind kind = Kind::table;
 };
 
-/// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are left
-/// out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in
+/// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are
+/// left out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that
+/// differ in
 /// `spp` alone have to be merged before (method_names.h).
 std::vector<Section> sections(const Analysis& analysis);
 

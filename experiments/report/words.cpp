@@ -63,7 +63,7 @@ std::string layer_names(const std::vector<Layer>& layers) {
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;
     for (const TableRow& row : analysis.rows)
-        if (row.scene == look.scene && row.method == look.method && row.has_verdict(FootingVerdict::differs))
+        if (row.scene == look.scene && row.method == look.method && row.has_verdict(BalanceVerdict::differs))
             names += (names.empty() ? "" : ", ") + std::string(name_of(row.layer));
     return names;
 }
@@ -127,8 +127,8 @@ public:
 private:
     const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
 
-    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below half a
-    /// percent: "90 % caustic, 10 % indirect"; empty if there is none.
+    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below
+    /// half a percent: "90 % caustic, 10 % indirect"; empty if there is none.
     std::string parts_of_error(const Runs& cells, double seconds) const {
         double sum = 0;
         std::vector<std::pair<double, Layer>> parts;
@@ -173,7 +173,8 @@ private:
                 best.push_back(method);
         return best;
     }
-    /// The name that the experiment file gives to a label and its other settings, else the label's method with its filter.
+    /// The name that the experiment file gives to a label and its other settings, else the label's method with its
+    /// filter.
     std::string name_in(const std::string& method) const {
         const std::string& label = analysis_.label_of(method);
         const auto given = analysis_.index.given_names.find(label);
@@ -318,7 +319,8 @@ std::string error_kind(const TableRow& row) {
     const auto percent = [](double value) { return whole_percent(value) + " %"; };
     switch (share.state) {
         case State::unbiased:
-            return unmet_share(row) > 0 ? fmt::format("noise, {} unsampled light", percent(unmet_share(row))) : "noise";
+            return unsampled_share(row) > 0 ? fmt::format("noise, {} unsampled light", percent(unsampled_share(row)))
+                                            : "noise";
         case State::below:
             if (share.value >= 0.5) return "inconclusive, bias below " + percent(share.value);
             return share.value < 0.005 ? "noise" : "noise, bias below " + percent(share.value);

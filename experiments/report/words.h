@@ -1,6 +1,6 @@
 #pragma once
-// Words for table.md, the report and the terminal: fields as text, bias or noise of a method's error, missing light, the
-// relation to the best method, and the cheapest method.
+// Words for table.md, the report and the terminal: fields as text, bias or noise of a method's error, missing light,
+// the relation to the best method, and the cheapest method.
 
 #include "experiments/analysis/field.h"
 #include "experiments/analysis/ranking.h"
@@ -52,8 +52,8 @@ struct LookWords {
     std::string shown;    ///< which image of seed 1 it is, "16 passes, 0.41 s"
 };
 
-/// The images of a scene after `seconds`, in the order of Contest::after(): the smallest error first, methods that leave out
-/// light after complete ones, methods without an image last.
+/// The images of a scene after `seconds`, in the order of Contest::after(): the smallest error first, methods that
+/// leave out light after complete ones, methods without an image last.
 struct SceneLook {
     double seconds = 0;
     std::vector<LookWords> methods = {};
@@ -78,9 +78,9 @@ struct VerdictRow {
     bool is_tie = false;  ///< best with a rival, or rival: not significantly different
 };
 
-/// The verdict about a scene: for each of asked_targets the cheapest method, the next one, and the best label of each other
-/// method; where none has reached the error, the closest ones. Without a verdict, because the reference lacks a component that
-/// holds light or is contradicted in it, there is one row that says so.
+/// The verdict about a scene: for each of asked_targets the cheapest method, the next one, and the best label of each
+/// other method; where none has reached the error, the closest ones. Without a verdict, because the reference lacks a
+/// component that holds light or is contradicted in it, there is one row that says so.
 std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& scene);
 
 /// The verdict in a few words: the method that reaches an error first, or why none does.

@@ -66,7 +66,7 @@ function setUpSweep(place, sweep) {
   });
   place.append(box);
   const panel = new ChartPanel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
-    "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Dotted the fitted law of bias², with dots and dashes one of theory's slope through its middle. Triangles: bias² is below this.", () => ({
+    "Mean squared error of the final images, with 95 % intervals. Dark, circles: bias². Light, squares: variance. Dashed: their sum. Dotted: the fitted law of bias². Dots and dashes: theory's slope. Triangles: upper ends of bias².", () => ({
       sets: [
         ...partSets(sweep.components[shown].points, "bias2"),
         ...partSets(sweep.components[shown].points, "variance"),

@@ -24,7 +24,8 @@ public:
     bool is_resolved(Component c) const;
     /// Whether there is nothing to compare: the reference lacks components, and no other one holds light.
     bool is_empty() const { return empty_; }
-    /// The total without components that the reference lacks; its mean image is in the denominator of every relative error.
+    /// The total without components that the reference lacks; its mean image is in the denominator of every relative
+    /// error.
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
     /// Null if the reference lacks the component.
     const ReferenceLayer* component(Component c) const;

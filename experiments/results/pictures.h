@@ -37,7 +37,8 @@ ColorScale bias_colors();
 /// A map of FLIP in the colours of `magma`, as in the papers on FLIP. The values are linear, so that the sRGB curve
 /// of a PNG gives the colours of the scale.
 Image flip_image(const FlipMap& map);
-/// The inverse of flip_image() for a PNG that read_image() has read, the same in all channels. Each value is the nearest of 256.
+/// The inverse of flip_image() for a PNG that read_image() has read, the same in all channels. Each value is the
+/// nearest of 256.
 Image flip_values(const Image& picture);
 
 /// The largest width and height of a frame [pixels]; larger films are reduced by a whole factor.

@@ -30,8 +30,8 @@ struct WorkFolder {
     }
 };
 
-/// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its name,
-/// because some programs cannot take a path with `=`.
+/// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its
+/// name, because some programs cannot take a path with `=`.
 std::string work_folder_of(const WorkCell& cell, const ResultFolder& folder) {
     return cell.has_command() ? folder.file("command-" + cell.identity.key().substr(0, 12))
                               : folder.work_folder(cell.name);

@@ -37,8 +37,8 @@ private:
     std::string referred_;  ///< identity of `reference_`
 };
 
-/// Runs cells in turn, with a line of progress, and begins none when `seconds_left` is given and not above 0. Returns how many
-/// it began. Throws Interrupted.
+/// Runs cells in turn, with a line of progress, and begins none when `seconds_left` is given and not above 0. Returns
+/// how many it began. Throws Interrupted.
 std::size_t run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
                       const std::function<double()>& seconds_left = {});
 

@@ -17,7 +17,8 @@ public:
     /// Takes over what the folder has: scenes that this run does not reach keep the references of their stored cells.
     References(const RunSetup& setup, const ResultFolder& folder, RunLog& log);
 
-    /// Takes over the reference that the folder has now, which may be the work of another share; none if it has no intact one.
+    /// Takes over the reference that the folder has now, which may be the work of another share; none if it has no
+    /// intact one.
     void read_stored(std::size_t scene);
 
     /// The identity of a scene's reference, by its place in RunSetup::scenes; empty: there is none.
@@ -30,8 +31,8 @@ public:
     /// Brings a reference to its goal. Waits while another process makes it. A failure is kept in the log. Throws
     /// Interrupted.
     void make(std::size_t scene) { advance(scene, std::nullopt); }
-    /// make() with at most so much work of this process (ReferenceWork::most_own_work). Returns the batches that other processes
-    /// have to make first.
+    /// make() with at most so much work of this process (ReferenceWork::most_own_work). Returns the batches that other
+    /// processes have to make first.
     std::vector<ReferenceBatch> advance(std::size_t scene, std::optional<double> most_own_work);
     /// Makes batches of a reference, unless they are there. Throws Interrupted.
     void make_batches(std::size_t scene, const std::vector<ReferenceBatch>& batches) const;

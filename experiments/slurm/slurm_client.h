@@ -48,8 +48,8 @@ std::uint64_t own_job();
 /// for options of the next one.
 void forget_own_job();
 
-/// A path as sbatch's --output takes it, where % begins a replacement symbol and %% stands for %. Throws InputError for a
-/// backslash, which would switch off all replacement symbols of the pattern (sbatch(1), "filename pattern").
+/// A path as sbatch's --output takes it, where % begins a replacement symbol and %% stands for %. Throws InputError for
+/// a backslash, which would switch off all replacement symbols of the pattern (sbatch(1), "filename pattern").
 std::string log_pattern(const std::string& path);
 
 }  // namespace gib

@@ -19,7 +19,7 @@ static auto json_fields(RecordOf<SubmittedJob> auto& j) {
 }
 
 static auto json_fields(RecordOf<PlannedBatch> auto& b) {
-    return std::tuple(JsonField{"scene", b.scene}, JsonField{"maker", b.batch.maker},
+    return std::tuple(JsonField{"scene", b.scene}, JsonField{"maker", b.batch.method},
                       JsonField{"number", b.batch.number}, JsonField{"passes", b.batch.passes},
                       JsonField{"passes_before", b.batch.passes_before});
 }

@@ -146,8 +146,8 @@ void require_made(const std::vector<PlannedBatch>& made, const std::vector<Plann
                         lost));
 }
 
-/// Brings the references on their way, each by at most so much work of this process, and submits what comes next. `made`:
-/// batches that jobs have made.
+/// Brings the references on their way, each by at most so much work of this process, and submits what comes next.
+/// `made`: batches that jobs have made.
 void go_on(RunSession& run, Submission& submission, double most_own_work, const std::vector<PlannedBatch>& made = {}) {
     std::vector<PlannedBatch> missing;
     for (std::size_t scene = 0; scene < run.setup.scenes.size(); ++scene)

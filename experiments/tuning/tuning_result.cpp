@@ -68,7 +68,8 @@ std::string extrapolated_text(const Verdict& verdict) {
 }
 
 /// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % not
-/// reached: 6 % after 4 s", "5 % not reached: these settings have an error floor of 16.1 (15.8 to 16.4) %, 16.3 % after 3 s".
+/// reached: 6 % after 4 s", "5 % not reached: these settings have an error floor of 16.1 (15.8 to 16.4) %, 16.3 % after
+/// 3 s".
 std::string time_text(const TuningResult& result, const FinalSetting& f) {
     const Verdict& verdict = f.verdict;
     const std::string end =
@@ -100,8 +101,8 @@ std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
     return time_text(result, f) + (left_out.empty() ? "" : ", leaves out " + left_out);
 }
 
-/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over 3.00 times
-/// as long".
+/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over
+/// 3.00 times as long".
 std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     if (setting.verdict.state == Verdict::no_image) return "not measured";
     if (setting.verdict.state != Verdict::measured) {

@@ -40,19 +40,21 @@ struct TuningResult {
     std::vector<std::string> notes = {};                          ///< steps that were cut short for lack of time
 
     MethodLabel label(const FinalSetting& f) const { return methods[f.method].space.label(f.setting); }
-    /// The first best setting of a method that has reached the target: of a complete method, or of any if none is complete. Null:
-    /// none has reached it.
+    /// The first best setting of a method that has reached the target: of a complete method, or of any if none is
+    /// complete. Null: none has reached it.
     const FinalSetting* best() const;
 };
 
-/// The label of the best setting, if one has reached the target, with its times; the defaults beside the best settings of
-/// their method; what was cut; and at the end a line with the verdict of each method.
+/// The label of the best setting, if one has reached the target, with its times; the defaults beside the best settings
+/// of their method; what was cut; and at the end a line with the verdict of each method.
 std::string tuning_text(const TuningResult& result);
 
-/// tune.json, from which report/report_data.h makes the report's section: {"scene", "target", "used_seconds", "minutes",
+/// tune.json, from which report/report_data.h makes the report's section: {"scene", "target", "used_seconds",
+/// "minutes",
 /// "methods": [{"base": label as asked for, "label", "paste", "state", "verdict", "seconds", "lo" and "hi": null if they
-/// are not known, "parameters": [{"name", "unit", "sentence", "words": [...] or null}], "settings": [{"label", "values":
-/// [number, word, or null without effect], "seconds": null if never, "measured": by the curve, not by its law}]}],
+/// are not known, "parameters": [{"name", "unit", "sentence", "words": [...] or null}], "settings": [{"label",
+/// "values": [number, word, or null without effect], "seconds": null if never, "measured": by the curve, not by its
+/// law}]}],
 /// "best": index of a method or null, "lines": of the text, "cuts": [...]}
 std::string tuning_json(const TuningResult& result);
 

@@ -23,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The reference goes on while its error is above this share of the target. There is no tuning if it ends above the larger one: its
-/// variance is subtracted from squared errors, but is itself known only to some per cent, and can be as large as the remaining error.
+/// The reference goes on while its error is above this share of the target. There is no tuning if it ends above the
+/// larger one: its variance is subtracted from squared errors, but is itself known only to some per cent, and can be as
+/// large as the remaining error.
 constexpr double wanted_reference_error = 0.5, most_reference_error = 0.7;
 
 /// Text as a TOML basic string.
@@ -42,8 +43,8 @@ std::string method_table(const MethodLabel& label) {
     return text;
 }
 
-/// The label with more passes than any budget lets a cell make, and with its numbers as TOML has them: as typed, but for those
-/// such as .5, 1. and 05.
+/// The label with more passes than any budget lets a cell make, and with its numbers as TOML has them: as typed, but
+/// for those such as .5, 1. and 05.
 MethodLabel endless(MethodLabel label) {
     static const std::regex toml_number("-?(0|[1-9][0-9]*)([.][0-9]+)?([eE][+-]?[0-9]+)?");
     for (auto& [name, value] : label.values)

@@ -159,7 +159,7 @@ Cell busy(Cell cell, double waiting) {
 }
 
 // The lamp is 6.5 % of the error in each of the images, and no seed has met it; all else is noise that falls.
-TEST(Extrapolation, ARunThatStandsAtUnmetLightHasNoTimeBelowIt) {
+TEST(Extrapolation, ARunThatStandsAtUnsampledLightHasNoTimeBelowIt) {
     Analysis analysis = analysis_of(runs("path", 1e-3, 0.5, 64, 0.00425));
     TableRow& row = analysis.rows[0];
     row.is_unbiased = true;
@@ -190,13 +190,13 @@ TEST(Extrapolation, NoErrorFallsFasterThanThatOfIndependentSamples) {
 }
 
 // Noise still hides the floor; the images tell of it.
-TEST(Extrapolation, UnmetLightIsAFloorThatNoCurveShows) {
+TEST(Extrapolation, UnsampledLightIsAFloorThatNoCurveShows) {
     Analysis analysis = analysis_of(runs("path", 1, 0.5, 32));
     TableRow& row = analysis.rows[0];
     row.is_unbiased = true;
     EXPECT_EQ(time_field(row, 1).state, State::extrapolated);
     EXPECT_EQ(time_field(row, 0).state, State::extrapolated);
-    row.unmet = 0.00425;
+    row.unsampled = 0.00425;
     const Field ten = time_field(row, 0), five = time_field(row, 1);
     EXPECT_EQ(ten.state, State::at_least) << "10 %, not far above it";
     EXPECT_EQ(line_of(five), line_of(ten)) << "5 % is not reached earlier, and nothing else is known";

@@ -44,14 +44,14 @@ std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict, con
 TEST(CompareRuns, EqualRunsAreNotToldApart) {
     for (const int seeds : {2, 3, 5}) {
         std::mt19937_64 random(static_cast<std::uint64_t>(71 + seeds));
-        int told_apart = 0;
+        int different = 0;
         for (int pair = 0; pair < 200; ++pair) {
             const Analysis before = simulated_run(seeds, random), after = simulated_run(seeds, random);
             const RunComparison comparison = compare_runs(before, after);
             ASSERT_GE(comparison.changes.size(), 6u);
-            told_apart += count_of(comparison, ChangeVerdict::better) + count_of(comparison, ChangeVerdict::worse) > 0;
+            different += count_of(comparison, ChangeVerdict::better) + count_of(comparison, ChangeVerdict::worse) > 0;
         }
-        EXPECT_LE(told_apart, 16) << seeds << " seeds";
+        EXPECT_LE(different, 16) << seeds << " seeds";
     }
 }
 
@@ -182,9 +182,9 @@ TEST(CompareRuns, BiasAgainstADeclarationIsSaid) {
     TableRow indirect = total;
     total.contradicted_in = {Layer::indirect};
     indirect.layer = Layer::indirect;
-    indirect.footing.emplace();
-    indirect.footing->energy.value = 0.97;
-    indirect.footing->excess = {-0.03, Interval{-0.035, -0.025}};
+    indirect.balance.emplace();
+    indirect.balance->energy.value = 0.97;
+    indirect.balance->excess = {-0.03, Interval{-0.035, -0.025}};
     after.rows.push_back(indirect);
     const RunComparison comparison = compare_runs(before, after);
     EXPECT_TRUE(comparison.has_contradictions);
