@@ -55,7 +55,7 @@ MethodLabel MethodLabel::parse(std::string_view text, const SourceLocation& wher
         at = end;
         if (word.find_first_of(",\"\n") != std::string::npos)
             reject(where,
-                   "a method's label has no commas, quotes or line breaks: '{}' (lists of values stand in experiment "
+                   "a method's label has no commas, quotes or line breaks: '{}' (lists of values belong in experiment "
                    "files)",
                    word);
         const std::size_t equals = word.find('=');

@@ -175,8 +175,8 @@ private:
     SceneVersion version_of(const XmlElement& root) {
         if (const XmlAttribute* version = root.find("version")) return parse_version(*version);
         const bool is_old = has_old_names(root);
-        warnings_.add(root.where, fmt::format("the file does not tell its version: by its names it is read as {}",
-                                              is_old ? "0.6" : "3.0"));
+        warnings_.add(root.where,
+                      fmt::format("the file states no version: by its names it is read as {}", is_old ? "0.6" : "3.0"));
         return is_old ? SceneVersion{0, 6} : SceneVersion{3, 0};
     }
 

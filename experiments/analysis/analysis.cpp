@@ -6,14 +6,14 @@
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/method_names.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/analysis/unmet_light.h"
+#include "experiments/analysis/unsampled_light.h"
 #include "experiments/analysis/warnings.h"
 #include "experiments/metrics/energy_test.h"
 #include "experiments/metrics/few_hits.h"
 #include "experiments/plan/experiment_file.h"
 #include "experiments/plan/label_checks.h"
 #include "experiments/references/agreement.h"
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 #include "experiments/results/judgement.h"
 #include "experiments/results/manifest.h"
 #include "experiments/results/pictures.h"
@@ -33,7 +33,7 @@ struct Replicates {
     Runs cells;
     std::vector<std::string> folders = {};  ///< names of the cells' folders
     std::vector<ComponentImages> images = {};
-    std::vector<Image> totals = {};  ///< images as they are judged
+    std::vector<Image> totals = {};  ///< the compared part of each image
     bool is_lit = false;             ///< whether an image has light in it
 
     Replicates(const Runs& runs, const ResultFolder& folder, const Judgement& judgement) : cells(runs) {
@@ -85,33 +85,33 @@ TableRow judged_row(const Replicates& replicates, const ResultIndex& index, Laye
     row.robust = robust_error(images, reference.mean, r_total, row.epsilon);
     row.noise = noise_spectrum(images, r_total);
     row.bias = bias_spectrum(images, reference);
-    row.footing = equal_footing(images, reference, r_total);
+    row.balance = energy_balance(images, reference, r_total);
     allow_for_missed_light(row, images, missed, reference, denominators);
     if (!row.floor_known) {
         // The reference's noise counts as bias in all of these.
         row.statistics->bias2.reset();
         row.statistics->rel_bias2.reset();
         row.bias.clear();
-        if (row.footing) row.footing->verdict = FootingVerdict::unresolved;
+        if (row.balance) row.balance->verdict = BalanceVerdict::inconclusive;
     }
     add_curve_numbers(row, replicates.cells);
     return row;
 }
 
-/// Whether the images of a method that is unbiased by theory contradict this; `unmet` is the energy of unmet light. The level is
-/// shared by all rows that the table can have (Bonferroni).
+/// Whether the images of a method that is unbiased by theory contradict this. `unsampled`: energy of unsampled light
+/// [W/(sr m^2)]. All rows that the table can have share the level (Bonferroni).
 void test_energy(TableRow& row, const ResultIndex& index, const Judgement& judgement, const std::vector<Image>& images,
-                 const ReferenceLayer& reference, const Components& left_out, double unmet) {
-    if (!row.footing || !is_unbiased_by_theory(row, left_out)) return;
+                 const ReferenceLayer& reference, const Components& left_out, double unsampled) {
+    if (!row.balance || !is_unbiased_by_theory(row, left_out)) return;
     if (!find_method(MethodLabel::parse(row.method).name).samples_pixels_alone) return;
     const std::size_t rows = index.scenes.size() * index.methods.size() * (component_count + 1);
     const SampledLight sampled{.passes = row.least_passes, .brightest = judgement.brightest_light()};
     const auto test =
-        energy_test(images, sampled, reference, *row.footing, unmet, energy_alpha / static_cast<double>(rows));
+        energy_test(images, sampled, reference, *row.balance, unsampled, energy_alpha / static_cast<double>(rows));
     if (!test || !test->is_rejected) return;
     row.contradicted_in = {row.layer};
-    row.footing->excess = test->excess;
-    row.footing->verdict = FootingVerdict::differs;
+    row.balance->excess = test->excess;
+    row.balance->verdict = BalanceVerdict::differs;
 }
 
 /// The mean FLIP of the replicates; empty if one of them has no FLIP value.
@@ -133,7 +133,7 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
     const std::vector<Image>& totals = replicates.totals;
     const Cell& first = *replicates.cells.front();
     const Components left_out = index.left_out_by(first.scene, first.method).components;
-    Image all_unmet(totals.front().width, totals.front().height), all_missed = all_unmet;
+    Image all_unsampled(totals.front().width, totals.front().height), all_missed = all_unsampled;
     for (Component c : all_components) {
         std::vector<Image> images;
         for (const auto& image : replicates.images)
@@ -145,10 +145,11 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
             rows.push_back(
                 judged_row(replicates, index, layer_of(c), images, missed, *reference, denominators, quality));
             if (left_out.has(c)) continue;
-            const Image unmet = unmet_light(images, reference->mean);
-            const double unmet_energy = allow_for_unmet_light(rows.back(), images, unmet, *reference, denominators);
-            test_energy(rows.back(), index, judgement, images, *reference, left_out, unmet_energy);
-            all_unmet += unmet;
+            const Image unsampled = unsampled_light(images, reference->mean);
+            const double unsampled_energy =
+                allow_for_unsampled_light(rows.back(), images, unsampled, *reference, denominators);
+            test_energy(rows.back(), index, judgement, images, *reference, left_out, unsampled_energy);
+            all_unsampled += unsampled;
         } else if (!judgement.is_resolved(c)) rows.push_back(plain_row(replicates, index, layer_of(c)));
     }
     if (judgement.is_empty()) {
@@ -161,8 +162,9 @@ std::vector<TableRow> rows_of(const Replicates& replicates, const ResultIndex& i
                                          denominators, quality));
     TableRow& total = rows.front();
     total.flip = mean_flip(replicates, totals, denominators.plain(), folder);
-    const double unmet_energy = allow_for_unmet_light(total, totals, all_unmet, judgement.total(), denominators);
-    test_energy(total, index, judgement, totals, judgement.total(), left_out, unmet_energy);
+    const double unsampled_energy =
+        allow_for_unsampled_light(total, totals, all_unsampled, judgement.total(), denominators);
+    test_energy(total, index, judgement, totals, judgement.total(), left_out, unsampled_energy);
     for (std::size_t i = 1; i < rows.size(); ++i)
         total.contradicted_in.insert(total.contradicted_in.end(), rows[i].contradicted_in.begin(),
                                      rows[i].contradicted_in.end());
@@ -188,8 +190,8 @@ ReferenceQuality quality_of(const IndexScene& scene, const Reference& reference,
     return quality;
 }
 
-/// The reference of a scene. Empty if the scene has none yet, or if its file is missing or damaged; then `damage`
-/// gets a message.
+/// The reference of a scene. Empty if the scene has none yet, or, with a message in `damage`, if its file is missing or
+/// damaged.
 std::optional<Reference> reference_of(const IndexScene& scene, const ResultFolder& folder,
                                       std::vector<std::string>& damage) {
     if (scene.reference.empty()) return std::nullopt;
@@ -221,7 +223,7 @@ void add_cells(const IndexScene& scene, const ResultFolder& folder, Analysis& an
         }
 }
 
-/// Images of another renderer that are all equal tell as much as one: its command may take no seed.
+/// Equal images of another renderer count as one, because its command may ignore the seed.
 void drop_equal_cells(const std::string& scene, Analysis& analysis) {
     for (const auto& method : analysis.index.externals) {
         const auto is_of_method = [&](const Cell& c) { return c.scene == scene && c.method == method; };
@@ -234,9 +236,10 @@ void drop_equal_cells(const std::string& scene, Analysis& analysis) {
         analysis.warnings.push_back(
             {.kind = Warning::Kind::equal_images,
              .scene = scene,
-             .sentence = fmt::format("all seeds of {} have the same image, so that they count as one: a command needs "
-                                     "{{seed}} to make others",
-                                     method)});
+             .sentence =
+                 fmt::format("all seeds of {} have the same image and count as one; a command needs {{seed}} to "
+                             "make others",
+                             method)});
     }
 }
 
@@ -249,22 +252,22 @@ std::string experiment_file_of(const ResultFolder& folder) {
     }
 }
 
-/// The command that runs the experiment of a folder again; empty if there is none because the folder is that of a tuning.
+/// The command that runs the experiment of a folder again; empty if there is none because the folder is that of a
+/// tuning.
 std::string run_command_of(const ResultFolder& folder, const ResultIndex& index) {
     if (std::filesystem::exists(folder.file("tune.json"))) return "";
     return fmt::format("gibench run '{}' --out '{}' --seeds {} --threads {}", experiment_file_of(folder), folder.path(),
                        index.seeds, index.threads);
 }
 
-/// Equal images tell no interval of what their method makes on average: all of them may have missed a rare path. They
-/// do if the method draws no random numbers, as the totals then show: they are equal, too, and no theory says that the
-/// method is right.
+/// Equal images give no interval of their method's mean energy, because all of them may have missed a rare path.
+/// Exception: a method without random numbers, which is recognized by equal totals and is not unbiased by theory.
 void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
-    if (!row.footing || row.footing->energy.variance.variance != 0) return;
-    if (row.footing->verdict != FootingVerdict::differs || !std::isfinite(row.footing->excess.value)) return;
+    if (!row.balance || row.balance->energy.variance.variance != 0) return;
+    if (row.balance->verdict != BalanceVerdict::differs || !std::isfinite(row.balance->excess.value)) return;
     if (totals_are_equal && !row.is_unbiased) return;
-    row.footing->verdict = FootingVerdict::unresolved;
-    row.footing->excess.interval.reset();
+    row.balance->verdict = BalanceVerdict::inconclusive;
+    row.balance->excess.interval.reset();
 }
 
 /// Removes the numbers of a scene in which nothing emits light: its images are right, and no time compares.
@@ -273,19 +276,18 @@ void drop_dark_scene(const std::string& scene, Analysis& analysis) {
     std::erase_if(analysis.cells, [&](const Cell& cell) { return cell.scene == scene; });
     analysis.warnings.push_back({.kind = Warning::Kind::no_light,
                                  .scene = scene,
-                                 .sentence =
-                                     "the scene has no light: its reference and all images are black, so that there "
-                                     "is nothing to compare"});
+                                 .sentence = "the scene has no light: its reference and all images are black"});
 }
 
-/// Whether the reference consists of images of this method, so that a difference between them says nothing of the reference.
+/// Whether the reference consists of images of this method, so that a difference between them says nothing of the
+/// reference.
 bool has_made(const std::string& method, const Reference& reference) {
-    const std::string makers = attribute_in(reference.metadata, "makers");
+    const std::string methods = attribute_in(reference.metadata, "makers");
     const std::string only = attribute_in(reference.metadata, "method");
-    if (makers.empty()) return !only.empty() && MethodLabel::parse(only).name == method;
-    const auto shares = shares_in(makers);
+    if (methods.empty()) return !only.empty() && MethodLabel::parse(only).name == method;
+    const auto shares = shares_in(methods);
     return std::ranges::any_of(shares,
-                               [&](const MakerShare& share) { return share.passes > 0 && share.method == method; });
+                               [&](const MethodShare& share) { return share.passes > 0 && share.method == method; });
 }
 
 /// The components of the reference that images of a method contradict (agreement.h).
@@ -349,7 +351,7 @@ std::string other_options(const ResultIndex& index, const ResultFolder& folder) 
     return options;
 }
 
-/// Leaves the contradicted components of a reference unresolved, and warns of them.
+/// Removes the contradicted components from a reference, and warns of them.
 void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, const SceneRows& rows, Reference& reference,
                        Analysis& analysis) {
     const double error = analysis.references.back().relative_error;
@@ -359,16 +361,15 @@ void drop_contradicted(const IndexScene& scene, const ResultFolder& folder, cons
             {.kind = Warning::Kind::reference_contradicted,
              .scene = scene.name,
              .sentence = fmt::format(
-                 "the reference is wrong: {} finds {}; {} is not judged, nor is the time in which the whole image "
-                 "reaches an error, which was measured with it",
-                 found.first, found.second.text(), name_of(component)),
+                 "no verdict on `{}` and on times to an error: the reference is contradicted by {}, which finds {}",
+                 name_of(component), found.first, found.second.text()),
              .command = fmt::format("gibench reference '{}' --resolution {}x{} --seed 2 --target {:.2g}%{} -o '{}.exr'",
                                     scene.path, reference.total.mean.width, reference.total.mean.height, 50 * error,
                                     other_options(analysis.index, folder), scene.name)});
     }
 }
 
-/// Removes the curves of the total, which were judged with components that are no longer judged.
+/// Removes the curves of the total, which include the contradicted components.
 void drop_curves_of_total(const std::string& scene, Analysis& analysis) {
     for (Cell& cell : analysis.cells)
         if (cell.scene == scene)

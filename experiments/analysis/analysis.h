@@ -8,25 +8,24 @@
 
 namespace gib {
 
-/// The components of a scene that hold light, by its reference and by the images of its methods. Light that the reference
-/// does not judge, or that a method leaves out, decides whether a verdict about the whole image holds.
+/// The components of a scene that hold light, by its reference and by the images of its methods. A verdict about the
+/// whole image needs a reference of all of them.
 class SceneLight {
 public:
-    /// Takes what the reference shows of the components that it resolves and of the others.
+    /// Records which components are lit in the reference, and which of them it samples completely.
     explicit SceneLight(const Reference& reference) {
         const Components unresolved(reference.unresolved);
         for (Component c : all_components)
             if (const auto& layer = reference[c]) add(c, layer->mean, !unresolved.has(c));
     }
-    /// Adds the images of a method. `left_out` are the components of which it leaves out paths.
+    /// Adds the images of a method. `left_out`: the components that it samples incompletely.
     void add(const std::vector<ComponentImages>& images, const Components& left_out) {
         for (const ComponentImages& image : images)
             for (Component c : all_components)
                 if (image[c]) add(c, *image[c], !left_out.has(c));
     }
 
-    /// Those of the components that hold light: some image shows it, or no image has all of the component's paths, so that
-    /// none would show it.
+    /// The lit ones among `components`: lit in some image, or sampled completely by no image.
     Components holding_light(const Components& components) const {
         Components found;
         for (const Component c : components.list())

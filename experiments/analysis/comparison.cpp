@@ -87,10 +87,10 @@ std::string name_without(const std::string& parameter, std::string name) {
     return name.erase(begin, std::min(name.find_first_of(", ", at + 1), name.size()) - begin);
 }
 
-/// The exponent p of bias^2 = c x^-p of a density estimate over a disc of radius r. Where light is smooth, the bias of the
-/// k nearest of N photons is proportional to r^2, as odd terms of its Taylor series cancel, so that bias^2 ~ r^4; the disc
-/// holds k photons, so that r^2 ~ k / N (Jensen 2001, chapter 7; Silverman 1986, section 5.2). k=auto grows as N^(2/3).
-/// Final gathering and the cache have biases of their own.
+/// The exponent p of bias^2 = c x^-p of a density estimate over a disc of radius r. Where light is smooth, the bias of
+/// the k nearest of N photons is proportional to r^2, as odd terms of its Taylor series cancel, so that bias^2 ~ r^4;
+/// the disc holds k photons, so that r^2 ~ k / N (Jensen 2001, chapter 7; Silverman 1986, section 5.2). k=auto grows as
+/// N^(2/3). Final gathering and the cache have biases of their own.
 std::optional<double> theoretical_exponent(const MethodLabel& rest, const std::string& parameter, Layer layer) {
     const auto value = [&](const char* key) {
         const auto found = std::ranges::find_if(rest.values, [&](const auto& v) { return v.first == key; });
@@ -226,7 +226,7 @@ private:
             resolved({curve(change.method)(change.seconds), {}}, contest_.noise_floor(change.method));
         change.doubts.one_seed = contest_.cells().at(change.method).size() < 2;
         changes_.push_back(std::move(change));
-        told_apart_.clear();
+        different_.clear();
     }
     /// Names the rivals whose runs had ended before the best method's time was over.
     void end_reign(double seconds) {
@@ -235,17 +235,17 @@ private:
             if (c.method != now.method && c.standing == Standing::open && c.ended < well_before * seconds)
                 now.doubts.open.push_back(c.method);
     }
-    /// A rival ties until there is a time from which on the best method is told apart from it.
+    /// A rival counts as not significantly different until the best method differs significantly from it once.
     void compare_rivals(const std::vector<Contender>& ranking) {
         Crossover& now = changes_.back();
         const Contender& own = of_method(ranking, now.method);
         for (const Contender& c : ranking) {
             if (c.method == now.method || !c.is_complete || c.logs.empty() || c.known != Contender::Known::equal)
                 continue;
-            if (are_told_apart(own, c)) told_apart_.insert(c.method);
+            if (differ_significantly(own, c)) different_.insert(c.method);
             std::vector<std::string>& ties =
                 c.logs.size() == 1 && own.logs.size() > 1 ? now.doubts.lone : now.doubts.ties;
-            if (told_apart_.count(c.method) > 0) std::erase(ties, c.method);
+            if (different_.count(c.method) > 0) std::erase(ties, c.method);
             else if (std::ranges::find(ties, c.method) == ties.end()) ties.push_back(c.method);
         }
     }
@@ -254,7 +254,7 @@ private:
     const Contest& contest_;
     std::vector<double> times_;
     std::vector<Crossover> changes_;
-    std::set<std::string> told_apart_;  ///< from the best method since the last change
+    std::set<std::string> different_;  ///< from the best method since the last change
 };
 
 /// The stored images of a cell: frames and the final image, in the order of time.
@@ -272,7 +272,7 @@ std::vector<Checkpoint> stored_images(const Cell& cell, const ResultFolder& fold
 /// time budgets of methods end with a pass.
 constexpr double latest = 0.1;
 
-/// The last image by `seconds`; the first one if there is none by then.
+/// The last image up to `seconds`, else the first one.
 Checkpoint image_by(const std::vector<Checkpoint>& images, double seconds) {
     Checkpoint shown = images.front();
     for (const Checkpoint& image : images)

@@ -14,11 +14,11 @@ using Runs = std::vector<const Cell*>;
 
 /// The names of the scenes, in the order of the cells.
 std::vector<std::string> scenes_of(const Analysis& analysis);
-/// The layers of a scene that are judged, in the order of its rows.
+/// The layers of a scene that the reference has, in the order of its rows.
 std::vector<Layer> layers_of(const Analysis& analysis, const std::string& scene);
 
-/// The analysis with the passes of each checkpoint in place of its seconds, so that Contest compares methods after equal passes. Its
-/// laws and looks are still those of time.
+/// The analysis with the passes of each checkpoint in place of its seconds, so that Contest compares methods after
+/// equal passes. Its laws and looks are still those of time.
 Analysis with_passes_for_seconds(Analysis analysis);
 
 using CellsByMethod = std::map<std::string, Runs>;
@@ -38,19 +38,19 @@ Runs without(Runs cells, std::size_t left_out);
 /// subtracted. Between two checkpoints it follows a power law of time; after the last one it stays constant. Empty
 /// before the first image.
 std::optional<double> error2_after(const Cell& cell, Layer layer, double seconds);
-/// The same for each run: that of the final images if the runs' mean total time is not above `seconds`, although some of
-/// them are not complete by then. Empty unless all runs have an image by then.
+/// error2_after() of each run. If the runs' mean total time is at most `seconds`, those of the final images. Empty
+/// unless all runs have an image at that time.
 std::vector<double> errors2_by(const Runs& cells, Layer layer, double seconds);
 
 /// The mean of a method's runs at one point of their curves.
 struct MeanPoint {
-    std::uint32_t least_passes = 0, most_passes = 0;  ///< unlike at the end alone, where a time budget stopped the runs
+    std::uint32_t least_passes = 0, most_passes = 0;  ///< different only at the end, where a time budget stopped the runs
     double seconds = 0;                               ///< mean over the runs
     std::vector<double> run_seconds = {}, relative = {},
-                        absolute = {};  ///< of each run: time, squared errors less the reference's own
+                        absolute = {};  ///< by run: time, squared errors less the reference's variance
 };
-/// The points at the checkpoints that all runs have after the same passes, and the final images: a time budget ends runs
-/// after different numbers of passes. Empty if a run has no errors of this layer.
+/// The points at the checkpoints that all runs have after the same passes, and the final images: a time budget ends
+/// runs after different numbers of passes. Empty if a run has no errors of this layer.
 std::vector<MeanPoint> mean_curve(const Runs& cells, Layer layer);
 
 }  // namespace gib

@@ -36,7 +36,7 @@ bool is_spp_reached(const Analysis& analysis, const std::string& label, double s
 /// The settings of the labels that share the beginning of their names.
 using Group = std::map<std::string, std::vector<GivenValue>>;
 
-/// A filter changes what a method's name stands for, so that it is shown behind one even if it does not differ.
+/// A filter changes the method, so it is shown behind the name even if all rows have it.
 std::vector<GivenValue> differing(const Group& group, const std::string& label, bool is_named,
                                   const Analysis& analysis) {
     std::vector<GivenValue> settings = group.at(label);

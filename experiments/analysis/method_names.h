@@ -1,6 +1,6 @@
 #pragma once
-// The names of methods in tables and figures, and which labels are one method. A label has all settings, most of which are equal
-// in all rows; it stays the key of cells, files and table.csv.
+// The names of methods in tables and figures, and which labels are one method. A label has all settings, most of which
+// are equal in all rows; it stays the key of cells, files and table.csv.
 
 #include "experiments/analysis/table_row.h"
 
@@ -9,10 +9,11 @@
 
 namespace gib {
 
-/// A name for each label of a row. It is the `label` of the experiment file with those settings that vary within that [[method]]:
+/// A name for each label of a row. It is the `label` of the experiment file with those settings that vary within that
+/// [[method]]:
 /// "photon map", "photon map, photons=1e5". Without one it is the method's name with those settings that differ among the labels
-/// of the method, and its filter: "photon_mapper photons=1e5". An `spp` that no run has reached is left out. Labels whose names
-/// would be equal keep all of their settings.
+/// of the method, and its filter: "photon_mapper photons=1e5". An `spp` that no run has reached is left out. Labels
+/// whose names would be equal keep all of their settings.
 std::map<std::string, std::string> short_names(const Analysis& analysis);
 
 /// The analysis with short names in place of labels, wherever a method is named. Analysis::label_of() has the labels.

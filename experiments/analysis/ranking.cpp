@@ -27,10 +27,10 @@ Standing standing_beside(const Contender& best, const Contender& c) {
     if (c.is_close) return Standing::open;
     if (c.known == Contender::Known::equal) {
         if (std::min(best.logs.size(), c.logs.size()) < 2) return Standing::one_seed;
-        return are_told_apart(best, c) ? Standing::behind : Standing::tie;
+        return differ_significantly(best, c) ? Standing::behind : Standing::tie;
     }
     const bool behind_by_law = c.by_law && c.by_law->lo > upper_end(best);
-    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && are_told_apart(best, c);
+    const bool behind_by_bounds = c.known == Contender::Known::lower_bounds && differ_significantly(best, c);
     return behind_by_law || behind_by_bounds ? Standing::behind : Standing::open;
 }
 
@@ -70,7 +70,7 @@ std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& 
     return terms;
 }
 
-bool are_told_apart(const Contender& better, const Contender& worse) {
+bool differ_significantly(const Contender& better, const Contender& worse) {
     const double shift = std::min(worse.missed_shift - better.missed_shift, 0.0);
     return better.mean < worse.mean &&
            worse.log_mean - better.log_mean + shift > half_width(difference_terms(better, worse), tie_tail);
@@ -107,7 +107,7 @@ Doubts doubts_about(const std::string& method, const std::vector<Contender>& ran
     for (const Contender& c : ranking) {
         if (c.method == method) continue;
         if (c.standing == Standing::open) doubts.open.push_back(c.method);
-        if (counts(c) && !are_told_apart(own, c) && !are_told_apart(c, own))
+        if (counts(c) && !differ_significantly(own, c) && !differ_significantly(c, own))
             (c.logs.size() == 1 && !doubts.one_seed ? doubts.lone : doubts.ties).push_back(c.method);
     }
     return doubts;

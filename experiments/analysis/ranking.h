@@ -1,17 +1,17 @@
 #pragma once
-// Who is best: the one place that decides which method wins a comparison, which ones cannot be told from it, and of which
-// ones nothing is known there.
+// Ranks methods: which one is best, which ones do not differ significantly from it, and which ones are unknown.
 //
-// Errors and times differ by factors, so that their logarithms are compared. Few seeds tell little of a method's own
-// scatter s_i^2 of these: with 3 seeds and 2 degrees of freedom t is 6.96 at 98 %. The methods of a comparison together
-// have D = sum (n_i - 1) degrees of freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally
-// noisy, though. So the mean of method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is
-// larger, besides it (s_i^2 - s^2) / n_i with its own n_i - 1. Of a light that no seed has met, scatter knows nothing.
+// The logarithms of errors and times are compared. Few seeds estimate a method's own scatter s_i^2 badly: with 3 seeds
+// and 2 degrees of freedom t is 6.96 at 98 %. The methods of a comparison together have D = sum (n_i - 1) degrees of
+// freedom for the pooled scatter s^2 = sum (n_i - 1) s_i^2 / D. Methods are not equally noisy, though. So the mean of
+// method i has the variance s^2 / n_i with D degrees of freedom, and where its own scatter is larger, in addition
+// (s_i^2 - s^2) / n_i with n_i - 1. Unsampled light does not contribute to the scatter.
 //
-// All methods are compared with one reference R = r + h. Its noise h favours those methods whose images err in its direction: to
-// first order it changes log E_i, E_i = mean w (x_i - R)^2, by u_i = -2 mean w (x_i - R) h / E_i. So the difference of two methods
-// has the variance of u_i - u_j besides, which the scatter over the reference's m groups gives with m - 1 degrees of freedom.
-// The logarithms of times shift by as much as those of errors, because squared errors fall as 1 / time.
+// All methods are compared with one reference R = r + h. Its noise h favours those methods whose images err in its
+// direction: to first order it changes log E_i, E_i = mean w (x_i - R)^2, by u_i = -2 mean w (x_i - R) h / E_i. So the
+// difference of two methods has in addition the variance of u_i - u_j, which the scatter over the reference's m groups
+// gives with m - 1 degrees of freedom. The logarithms of times shift by as much as those of errors, because squared
+// errors fall as 1 / time.
 
 #include "experiments/analysis/curves.h"
 #include "experiments/metrics/statistics.h"
@@ -25,15 +25,15 @@ namespace gib {
 
 enum class Standing {
     best,
-    tie,       ///< cannot be told from the best
-    one_seed,  ///< nor can this, because one seed tells no scatter
+    tie,       ///< not significantly different from the best
+    one_seed,  ///< inconclusive, because one seed has no scatter
     behind,
-    open,        ///< its run ended before this could be told
+    open,        ///< inconclusive, because its run ended earlier
     incomplete,  ///< leaves out light, so that its number does not count
     no_image,
 };
 
-/// A method in a comparison of numbers of which the smaller is better: a squared error or a time.
+/// A method in a comparison of squared errors or times; the smaller is better.
 struct Contender {
     /// The relation of `mean` and `logs` to the numbers that are compared.
     enum class Known { equal, lower_bounds, upper_bounds };
@@ -55,22 +55,22 @@ struct Contender {
     std::vector<VarianceTerm> scatter = {};  ///< variance of that mean
 };
 
-/// The probability with which two methods of equal means are told apart. It is smaller than that of the intervals,
-/// because many pairs are compared.
+/// Significance level of the difference of two methods. It is below that of the intervals, because many pairs are
+/// compared.
 inline constexpr double tie_tail = 0.02;
 
-/// Sets what the seeds of all contenders together tell of the scatter of each: `log_mean` and `scatter`.
+/// Sets `log_mean` and `scatter` of each contender from the seeds of all.
 void set_scatter(std::vector<Contender>& contenders);
 
 /// The variances of the difference of two logarithms: by the scatter of both, and by the noise of the reference.
 std::vector<VarianceTerm> difference_terms(const Contender& a, const Contender& b);
 
-/// Whether `better` is smaller than `worse` for sure (half_width()), also if the reference has missed the light that it may have
-/// missed. One seed tells nothing.
-bool are_told_apart(const Contender& better, const Contender& worse);
+/// Whether `better` is significantly smaller than `worse` (half_width()), also with the light that the reference may
+/// have missed. False for one seed.
+bool differ_significantly(const Contender& better, const Contender& worse);
 
-/// The contenders in their order, with their standings: the complete ones whose numbers are known, by their means; those
-/// whose runs ended; those that leave out light; those without an image. A complete one whose number is known is best.
+/// The contenders in order, with their standings: complete ones with known numbers by their means, ended runs, methods
+/// that leave out light, methods without an image. Only a complete one with a known number can be best.
 std::vector<Contender> ranked(std::vector<Contender> contenders);
 
 /// The first one if it is the best; null if none is.
@@ -79,9 +79,9 @@ const Contender& of_method(const std::vector<Contender>& ranking, const std::str
 
 /// The remark that a sentence about a method has to add.
 struct Doubts {
-    std::vector<std::string> ties = {};  ///< methods that cannot be told from it
-    std::vector<std::string> open = {};  ///< methods whose runs ended before this could be told
-    std::vector<std::string> lone = {};  ///< methods of one seed, whose scatter nothing tells; itself has more
+    std::vector<std::string> ties = {};  ///< methods that do not differ significantly from it
+    std::vector<std::string> open = {};  ///< methods whose runs ended too early
+    std::vector<std::string> lone = {};  ///< methods with one seed, where the method itself has more
     bool one_seed = false;
 };
 Doubts doubts_about(const std::string& method, const std::vector<Contender>& ranking);
@@ -94,11 +94,11 @@ public:
 
     std::size_t methods() const { return methods_.size(); }
     const CellsByMethod& cells() const { return methods_; }
-    /// Whether the whole layer is judged, so that a method can be the best.
+    /// Whether the reference has the whole layer, so that a method can be the best.
     bool is_judged() const { return is_judged_; }
     /// The least noise floor of the methods that have all light (TableRow::noise_floor); without one, the reference's.
     double noise_floor() const;
-    /// That of a method's row; without a row, the reference's.
+    /// The noise floor of a method's row; without a row, the reference's.
     double noise_floor(const std::string& method) const;
 
     /// The time [s] after which the methods are compared: the shortest of their mean total times, without methods that
@@ -107,19 +107,19 @@ public:
     /// By the squared error after `seconds`. Between two checkpoints, errors follow a power law of time. A method whose
     /// runs ended before is known by its law alone, unless it has converged. Errors below the noise floor are equal.
     std::vector<Contender> after(double seconds) const;
-    /// By the time to target_errors[target]. Of a seed that has not reached it, the whole
-    /// time is a lower bound.
+    /// By the time to target_errors[target]. A seed that has not reached it gives its whole time as a lower bound.
     std::vector<Contender> to_error(std::size_t target) const;
-    /// By the squared error of the final images; for methods whose runs ended earlier than those of the best, by that of
-    /// their law at that time.
+    /// By the squared error of the final images; for methods whose runs ended earlier than those of the best, by that
+    /// of their law at that time.
     std::vector<Contender> by_final_images() const;
 
 private:
     Contender contender(const std::string& method, const Runs& cells) const;
     bool is_complete(const TableRow& row) const;
-    /// Sets what the law of a method says of its error after `seconds`.
+    /// Sets the bounds of a method's error after `seconds` by its law.
     void extrapolate(Contender& contender, double seconds) const;
-    /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is that floor.
+    /// Sets the squared errors of the seeds after `seconds`; where their mean is not above the noise floor, each is
+    /// that floor.
     void set_errors(Contender& contender, const Runs& cells, double seconds) const;
 
     const Analysis& analysis_;

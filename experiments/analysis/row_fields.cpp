@@ -14,7 +14,7 @@ namespace {
 /// No time is extrapolated beyond `farthest_extrapolation` times the measured span, or if a point misses the law by
 /// more than the share `largest_misfit` of its squared error.
 constexpr double farthest_extrapolation = 100, largest_misfit = 0.5;
-/// A last halving is not told if the ends of its interval differ by more than this factor.
+/// The cost of the last halving is left out if the ends of its interval differ by more than this factor.
 constexpr double widest_halving = 30;
 
 /// log(time of the last point / time at which the error was twice as large), for the mean of the runs.
@@ -33,31 +33,31 @@ std::optional<double> log_last_halving(const Runs& cells, Layer layer, double no
     return std::nullopt;
 }
 
-/// A lower bound below this many times the measured span says no more than that an error was not reached.
+/// A lower bound below this many times the measured span is no more than "not reached".
 constexpr double least_bound = 2;
-/// Light that no seed has met is no matter for errors whose squares are this many times as large: it is half a percent of them.
-constexpr double unmet_factor = 100;
+/// Unsampled light is neglected for errors whose squares are this many times as large: it is half a percent of them.
+constexpr double unsampled_factor = 100;
 
-/// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit` divides it
-/// [s]. A time within the span is no extrapolation: the first image was better already, or the points scatter about the law.
-/// The law does not know when light will be met that no seed has met.
+/// The field of the time to a squared error by the law, if it is beyond the measured span and not too far; `unit`
+/// divides it [s]. A time within the span is no extrapolation: the first image was better already, or the points
+/// scatter about the law. The law does not hold for unsampled light.
 Field field_of(const TableRow& row, double error2, double unit) {
     const auto not_reached = [](const char* reason) { return Field{.state = State::not_reached, .reason = reason}; };
     if (!row.law) return not_reached("");
-    if (row.unmet >= error2) return not_reached("light that no seed has met");
+    if (row.unsampled >= error2) return not_reached("unsampled light");
     const PriceLaw& law = *row.law;
     const auto time = law.extrapolate(error2, row.is_unbiased);
-    if (!time) return not_reached(row.seeds < 3 ? "three seeds would tell" : "no law fits");
+    if (!time) return not_reached(row.seeds < 3 ? "needs three seeds" : "no law fits");
     if (time->kind == Extrapolation::Kind::never) {
         const bool contradicted = row.statistics && row.statistics->rel_mse_corrected < law.floor.value;
-        return contradicted ? not_reached("the runs are below the law's floor")
+        return contradicted ? not_reached("the runs are below the law's error floor")
                             : Field{State::never, law.floor.value, std::nullopt, Unit::root};
     }
     if (law.misfit > largest_misfit) return not_reached("the law misses points");
-    if (!(time->seconds > law.last_seconds)) return not_reached("the law has it within the runs");
+    if (!(time->seconds > law.last_seconds)) return not_reached("the law puts it within the runs");
     if (!law_reaches(law, time->seconds)) return not_reached("beyond 100 times the runs");
     const double least = time->interval ? std::max(time->interval->lo, law.last_seconds) : time->seconds;
-    if (!time->interval || unmet_factor * row.unmet > error2)
+    if (!time->interval || unsampled_factor * row.unsampled > error2)
         return least > least_bound * law.last_seconds ? Field{State::at_least, least / unit}
                                                       : not_reached("the law gives no bound beyond twice the runs");
     return {State::extrapolated, time->seconds / unit, Interval{least / unit, time->interval->hi / unit}};
@@ -120,8 +120,8 @@ bool law_reaches(const PriceLaw& law, double seconds) {
 
 Field time_field(const TableRow& row, std::size_t target) {
     if (!row.statistics) return {};
-    if (!row.has_times) return {State::not_judged};
-    if (!is_target_resolved(target, row.noise_floor)) return {State::not_resolved};
+    if (!row.has_times) return {State::no_verdict};
+    if (!is_target_resolved(target, row.noise_floor)) return {State::below_noise};
     if (row.times[target]) return measured(*row.times[target]);
     if (row.reached[target] > 0)
         return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};
@@ -144,7 +144,7 @@ Field slope_field(const TableRow& row) {
     const Estimate& slope = row.is_unbiased ? row.law->floorless_slope : row.law->slope;
     const double misfit = row.is_unbiased ? row.law->floorless_misfit : row.law->misfit;
     // From three seeds on, a slope that the curve determines has an interval.
-    if (misfit > largest_misfit || (!slope.interval && row.seeds > 2)) return {State::cannot_be_told};
+    if (misfit > largest_misfit || (!slope.interval && row.seeds > 2)) return {State::inconclusive};
     return measured(slope);
 }
 
@@ -154,30 +154,19 @@ Field next_halving_field(const TableRow& row) {
     const double error2 = (row.is_unbiased ? law.floorless : law.law).error2(law.last_seconds);
     const Field factor = field_of(row, error2 / 4, law.last_seconds);
     // An interval that begins at the end of the runs has no lower end.
-    if (factor.interval && !(factor.interval->lo > 1)) return {State::cannot_be_told};
+    if (factor.interval && !(factor.interval->lo > 1)) return {State::inconclusive};
     return factor.state == State::not_reached ? Field{} : factor;
 }
 
 Field floor_field(const TableRow& row) {
     if (!row.law) return {};
     if (row.is_unbiased) return {State::unbiased};
-    if (!row.floor_known || !row.law->floor.interval) return {State::cannot_be_told};
+    if (!row.floor_known || !row.law->floor.interval) return {State::inconclusive};
     Estimate floor = row.law->floor;
     // The runs have been below the fitted floor's bound where they scatter.
     if (row.statistics && row.statistics->rel_mse_corrected > floor.value)
         floor.interval->hi = std::min(floor.interval->hi, row.statistics->rel_mse_corrected);
     return positive(floor, Unit::root);
-}
-
-Field floor_bias_field(const TableRow& row) {
-    if (!floor_field(row).is_measured() || !row.statistics) return {};
-    const auto& bias2 = row.statistics->rel_bias2;
-    const double floor = row.law->floor.value;
-    if (!bias2 || !bias2->interval || (bias2->interval->lo <= 0 && bias2->interval->hi >= floor))
-        return {State::cannot_be_told};
-    const auto part = [&](double value) { return std::clamp(value, 0.0, floor); };
-    if (bias2->interval->lo >= floor) return measured(floor, Unit::root);
-    return positive({part(bias2->value), Interval{part(bias2->interval->lo), part(bias2->interval->hi)}}, Unit::root);
 }
 
 double least_resolved(const ReferenceLayer& layer, const Denominators& denominators) {
@@ -196,7 +185,7 @@ std::optional<Estimate> corrected_rel_mse(const TableRow& row) {
 }
 
 Field relative_error_field(const TableRow& row) {
-    if (!row.statistics) return {State::not_judged};
+    if (!row.statistics) return {State::no_verdict};
     return resolved(*corrected_rel_mse(row), row.noise_floor);
 }
 
@@ -210,29 +199,29 @@ Field bias2_field(const TableRow& row) {
     return row.is_unbiased ? Field{State::unbiased} : positive(*row.statistics->bias2);
 }
 
-double unmet_share(const TableRow& row) {
+double unsampled_share(const TableRow& row) {
     constexpr double least = 0.1;
     if (!row.statistics || !(row.statistics->rel_mse_corrected > 0)) return 0;
-    const double share = row.unmet / row.statistics->rel_mse_corrected;
+    const double share = row.unsampled / row.statistics->rel_mse_corrected;
     return share < least ? 0 : std::min(share, 1.0);
 }
 
 Field variance_field(const TableRow& row) {
     if (!row.statistics || !row.statistics->variance) return {};
-    return unmet_share(row) > 0 ? Field{State::cannot_be_told} : measured(*row.statistics->variance);
+    return unsampled_share(row) > 0 ? Field{State::inconclusive} : measured(*row.statistics->variance);
 }
 
 Field bias_share_field(const TableRow& row) {
     if (!row.statistics) return {};
     if (row.is_unbiased) return {State::unbiased};
     const auto& bias2 = row.statistics->rel_bias2;
-    if (!bias2 || !bias2->interval) return {State::cannot_be_told};
+    if (!bias2 || !bias2->interval) return {State::inconclusive};
     const double variance = row.statistics->rel_mse_corrected - bias2->value;
     const double sum = std::max(bias2->value, 0.0) + std::max(variance, 0.0);
     if (!(sum > 0) || !std::isfinite(sum)) return {};
     const auto share = [sum](double part) { return std::clamp(part / sum, 0.0, 1.0); };
     constexpr double whole = 0.995;  // "below 100 %" says nothing
-    if (!(bias2->interval->lo > 0) && share(bias2->interval->hi) >= whole) return {State::cannot_be_told};
+    if (!(bias2->interval->lo > 0) && share(bias2->interval->hi) >= whole) return {State::inconclusive};
     return positive({share(bias2->value), Interval{share(bias2->interval->lo), share(bias2->interval->hi)}},
                     Unit::share);
 }

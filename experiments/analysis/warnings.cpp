@@ -37,11 +37,11 @@ std::string signed_percent(const Estimate& e) {
 
 /// Whether the images of a row are black where the reference is not.
 bool is_black(const TableRow& row) {
-    return row.footing && row.footing->energy.value == 0 && row.footing->excess.value < 0;
+    return row.balance && row.balance->energy.value == 0 && row.balance->excess.value < 0;
 }
 
 std::string component_text(const TableRow& row) {
-    const Estimate& excess = row.footing->excess;
+    const Estimate& excess = row.balance->excess;
     return fmt::format("`{}` {}", name_of(row.layer),
                        is_black(row)                 ? "is black"
                        : std::isfinite(excess.value) ? signed_percent(excess)
@@ -49,7 +49,7 @@ std::string component_text(const TableRow& row) {
 }
 
 /// The two rows that differ most surely from each other, among
-/// the rows of one component that the reference cannot judge.
+/// the rows of one component whose energy balance is inconclusive.
 struct Disagreement {
     const TableRow *more = nullptr, *less = nullptr;
     Estimate difference;  ///< with an interval
@@ -57,8 +57,8 @@ struct Disagreement {
 };
 
 void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>& surest) {
-    const Footing pair = a.footing->against(*b.footing);
-    if (pair.verdict != FootingVerdict::differs || !pair.excess.interval) return;
+    const EnergyBalance pair = a.balance->against(*b.balance);
+    if (pair.verdict != BalanceVerdict::differs || !pair.excess.interval) return;
     if (pair.excess.value < 0) return consider(b, a, surest);
     const double half = pair.excess.interval->hi - pair.excess.value;
     const double sureness = half > 0 ? pair.excess.value / half : std::numeric_limits<double>::infinity();
@@ -66,10 +66,10 @@ void consider(const TableRow& a, const TableRow& b, std::optional<Disagreement>&
         surest = Disagreement{.more = &a, .less = &b, .difference = pair.excess, .sureness = sureness};
 }
 
-/// The rows that the reference cannot judge, by scene and component.
-using UnresolvedRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
+/// The rows whose energy balance is inconclusive, by scene and component.
+using InconclusiveRows = std::map<std::pair<std::string, Layer>, std::vector<const TableRow*>>;
 
-std::vector<Warning> disagreements(const UnresolvedRows& groups) {
+std::vector<Warning> disagreements(const InconclusiveRows& groups) {
     std::vector<Warning> warnings;
     for (const auto& [key, rows] : groups) {
         std::optional<Disagreement> surest;
@@ -81,7 +81,7 @@ std::vector<Warning> disagreements(const UnresolvedRows& groups) {
             {.kind = Warning::Kind::energy_differs,
              .scene = key.first,
              .sentence = fmt::format(
-                 "`{}` differs between methods where the reference cannot judge: {} has {} of mean energy over {}",
+                 "methods differ in mean energy of `{}`, in which the reference is inconclusive: {} has {} over {}",
                  name_of(key.second), surest->more->method, signed_percent(surest->difference), surest->less->method)});
     }
     return warnings;
@@ -101,7 +101,7 @@ std::optional<Warning> unlike_processors(const std::vector<Cell>& cells, const s
     for (const Cell& cell : cells)
         if (cell.scene == scene && !cell.cpu.empty()) methods[cell.cpu].insert(cell.method);
     if (methods.size() < 2) return std::nullopt;
-    std::string text = "the cells were measured on unlike processors, so that their seconds do not compare";
+    std::string text = "the cells were measured on different processors: their seconds do not compare";
     for (const auto& [cpu, labels] : methods)
         text += fmt::format("; on '{}': {}", cpu, fmt::join(labels, ", "));
     return Warning{.kind = Warning::Kind::unlike_processors, .scene = scene, .sentence = text};
@@ -153,7 +153,7 @@ std::optional<Warning> busy_machine(const Analysis& analysis, const std::string&
     if (count > 2) signs += fmt::format("; and {} more", count - 2);
     Warning warning{.kind = Warning::Kind::busy_machine,
                     .scene = "",
-                    .sentence = fmt::format("the machine was busy, so that seconds are too long ({})", signs)};
+                    .sentence = fmt::format("the machine was busy: seconds are too long ({})", signs)};
     // --only names one method by its label, or all cells of one scene.
     const std::string only = busy_methods.size() == 1  ? fmt::format(" --only '{}'", *busy_methods.begin())
                              : busy_scenes.size() == 1 ? fmt::format(" --only '{}'", *busy_scenes.begin())
@@ -168,7 +168,7 @@ std::string contradiction(const Analysis& analysis, const TableRow& total) {
     for (const Layer layer : total.contradicted_in)
         if (const TableRow* row = analysis.row(total.scene, total.method, layer))
             text += (text.empty() ? "" : ", ") + component_text(*row);
-    return "biased, although it is declared unbiased: mean energy against the reference's " + text;
+    return "biased, although declared unbiased: mean energy relative to the reference's " + text;
 }
 
 std::vector<Warning> contradicted_declarations(const Analysis& analysis, const std::string& scene) {
@@ -181,19 +181,19 @@ std::vector<Warning> contradicted_declarations(const Analysis& analysis, const s
     return warnings;
 }
 
-std::vector<Warning> footing_warnings(const Analysis& analysis) {
+std::vector<Warning> balance_warnings(const Analysis& analysis) {
     std::vector<Warning> differing;
-    UnresolvedRows groups;
+    InconclusiveRows groups;
     const TableRow* last = nullptr;
     for (const TableRow& row : analysis.rows) {
-        // A method that leaves out light of the component differs for a reason that is known; equal images tell nothing, nor do
-        // those that have not met some light.
-        if (row.has_verdict(FootingVerdict::unresolved) && row.effects_missing.empty() &&
-            !row.components_missing.touches(row.layer) && row.footing->excess.interval && !row.footing->misses_light)
+        // Excluded: methods that leave out light of the component, for a known reason; equal images, without an
+        // interval; images with unsampled light.
+        if (row.has_verdict(BalanceVerdict::inconclusive) && row.effects_missing.empty() &&
+            !row.components_missing.touches(row.layer) && row.balance->excess.interval && !row.balance->misses_light)
             groups[{row.scene, row.layer}].push_back(&row);
         // Black images need no interval, unless theory says that they have only missed the light so far.
         const bool all_black = row.layer == Layer::total && is_black(row) && !row.is_unbiased;
-        if (!row.has_verdict(FootingVerdict::differs) && !all_black) continue;
+        if (!row.has_verdict(BalanceVerdict::differs) && !all_black) continue;
         // Rows of one method are joined in one sentence.
         if (last && last->scene == row.scene && last->method == row.method)
             differing.back().sentence += ", " + component_text(row);

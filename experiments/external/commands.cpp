@@ -98,8 +98,8 @@ std::vector<pid_t> children() {
     return found;
 }
 
-/// Kills what a command has left behind, in whatever group or session. An orphan becomes a child of this process, which is a
-/// subreaper; each round therefore finds the children of those that the last one has killed.
+/// Kills what a command has left behind, in whatever group or session. An orphan becomes a child of this process, which
+/// is a subreaper; each round therefore finds the children of those that the last one has killed.
 void kill_descendants() {
     constexpr int most_rounds = 1000;  // some processes may not be killed, such as those of another user
     for (int round = 0; round < most_rounds; ++round) {
@@ -175,7 +175,7 @@ std::string absolute(const std::string& path) { return std::filesystem::absolute
 void require_success(const CommandCell& cell, const char* name, const CommandResult& result) {
     if (result.timed_out)
         fail(cell, fmt::format("{} was ended after its timeout of {:g} s", name, cell.method.timeout));
-    // A shell that has waited for its command tells a signal as the exit code 128 + signal.
+    // A shell reports the signal that ended its command as the exit code 128 + signal.
     const bool told_by_shell = result.exit_code > 128 && result.exit_code < 128 + 32;
     if (const int signal = told_by_shell ? result.exit_code - 128 : result.signal; signal != 0)
         fail(cell, fmt::format("{} was killed by signal {} ({})", name, signal, strsignal(signal)));
@@ -209,7 +209,7 @@ struct CommandImage {
     CommandResult cost;
 };
 
-/// Runs the command with these values of its placeholders, of which `out` is the image that it writes.
+/// Runs the command with these values of its placeholders; it writes the image `out`.
 CommandImage image_by_command(const CommandCell& cell, const char* name, std::map<std::string, std::string> values) {
     values["threads"] = std::to_string(cell.threads);
     const CommandRequest request{.command = filled_command(cell.method, values),

@@ -1,11 +1,11 @@
 #pragma once
 // Filters the image of a cell at each checkpoint, or adds to it what an external filter reads.
 //
-// The halves of (non_local_means.h) are passes 1 to m and m + 1 to n of one run: a mean over passes i + 1 to j is
-// (j image(j) - i image(i)) / (j - i). m is the checkpoint that is nearest to n / 2, and each half has a checkpoint near its own
-// middle, so that no sample is taken for the filter's sake. Any method will do whose image is the mean of its passes. Sobol' points
-// of two halves are not quite independent: those of `path` in the Cornell box differ by a tenth more than independent ones would
-// for the variance of their mean, which is overestimated by so much.
+// The halves of (non_local_means.h) are passes 1 to m and m + 1 to n of one run: a mean over passes i + 1 to j is (j
+// image(j) - i image(i)) / (j - i). m is the checkpoint that is nearest to n / 2, and each half has a checkpoint near
+// its own middle, so that no sample is taken for the filter's sake. Any method will do whose image is the mean of its
+// passes. Sobol' points of two halves are not quite independent: those of `path` in the Cornell box differ by a tenth
+// more than independent ones would for the variance of their mean, which is overestimated by so much.
 
 #include "common/images/non_local_means.h"
 #include "methods/method.h"
@@ -40,7 +40,8 @@ public:
     void keep(std::uint32_t passes, const ComponentImages& image);
     /// The image that is measured; the time is charged.
     ComponentImages filtered(std::uint32_t passes, const ComponentImages& image) const;
-    /// The layers `albedo`, `normal`, `depth` and `variance`, as far as they are wanted; each is there from prepare() or filtered() on.
+    /// The layers `albedo`, `normal`, `depth` and `variance`, as far as they are wanted; each is there from prepare()
+    /// or filtered() on.
     std::vector<std::pair<std::string, Image>> layers(std::uint32_t passes) const;
 
 private:

@@ -1,6 +1,6 @@
 #pragma once
-// Work that the program hands to a process of its own: an internal subcommand reads request.json in a work folder, and leaves
-// result.json there, which is written whole or not at all.
+// Work that the program hands to a process of its own: an internal subcommand reads request.json in a work folder, and
+// leaves result.json there, which is written whole or not at all.
 
 #include "common/core/error.h"
 #include "common/core/files.h"
@@ -18,7 +18,8 @@ namespace gib {
 /// The file of the running program.
 inline constexpr const char* own_program = "/proc/self/exe";
 
-/// Runs in the parent: starts this program, waits for it and returns its result. Each line of its standard output is passed to
+/// Runs in the parent: starts this program, waits for it and returns its result. Each line of its standard output is
+/// passed to
 /// `on_line`. Throws RunError with the child's message if it fails; on Ctrl-C it stops the child and throws Interrupted.
 template <typename Result, typename Request>
 Result result_of_child(const char* subcommand, const Request& request,

@@ -3,6 +3,8 @@
 #include "common/core/error.h"
 #include "experiments/filter/checkpoint_filter.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -116,7 +118,7 @@ Measurement measure(const MeasureWork& work, const CheckpointSink& sink, const P
                     const WorkObserver& work_observer) {
     const std::uint32_t last = std::max(1u, std::min(work.spp, work.budget.passes.value_or(work.spp)));
     const std::uint32_t least = work.filter ? work.filter->least_passes() : 1;
-    if (last < least) throw RunError("the filter takes the passes apart, by which it tells noise: there are too few");
+    if (last < least) throw RunError(fmt::format("too few passes: the filter needs {} at least", least));
     Measurement result;
     StageTimes stages;
     const ProcessorTime before = processor_time();

@@ -31,7 +31,8 @@ struct MeasureWork {
     std::uint32_t spp;  ///< passes to make at most
     Budget budget;
     bool only_last = false;  ///< the image at the end is the only checkpoint
-    /// Filters the images; null: they stay as they are. A checkpoint is charged with its features and its own filtering alone.
+    /// Filters the images; null: they stay as they are. A checkpoint is charged with its features and its own filtering
+    /// alone.
     CheckpointFilter* filter = nullptr;
 };
 

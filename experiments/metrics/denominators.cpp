@@ -1,27 +1,31 @@
-// Notation: a reference R = mean of m groups G_g = truth + h_g; e an image's difference from the truth; w = 1 / (r^2 + epsilon).
+// Notation: a reference R = mean of m groups G_g = truth + h_g; e an image's difference from the truth; w = 1 / (r^2 +
+// epsilon).
 //
-// E (x - R)^2 / (R^2 + epsilon) less stderr^2 / (R^2 + epsilon) is not e^2 w where the noise is skewed. Where rare bright
-// paths carry the light, a pixel that has not met them yet is too dark AND has too small a standard error; and both are
-// divided by its own R, which is largest where a bright path was met. References of a true error of 10 % seem to have one of
-// 5 %, and the errors of images move by as much.
+// E (x - R)^2 / (R^2 + epsilon) less stderr^2 / (R^2 + epsilon) is not e^2 w where the noise is skewed. Where rare
+// bright paths carry the light, a pixel that has not met them yet is too dark AND has too small a standard error; and
+// both are divided by its own R, which is largest where a bright path was met. References of a true error of 10 % seem
+// to have one of 5 %, and the errors of images move by as much.
 //
-// Cross-fitting (Chernozhukov et al. 2018, "Double/debiased machine learning", section 3) removes the dependence. The groups form
-// four folds; a pair of groups g, h is weighed by w_gh, whose r comes from the folds that hold neither. As groups are independent,
+// Cross-fitting (Chernozhukov et al. 2018, "Double/debiased machine learning", section 3) removes the dependence. The
+// groups form four folds; a pair of groups g, h is weighed by w_gh, whose r comes from the folds that hold neither. As
+// groups are independent,
 //     E mean over g != h of w_gh (x - G_g)(x - G_h)  =  e^2 E w              (NoisyTruth)
 //     E sum over g < h of w_gh (G_g - G_h)^2 / (m^2 (m - 1))  =  Var R E w   (variance_of)
 // whatever the distribution of the noise. Two groups of one fold take the mean of the three weights that leave it out.
 //
-// What is left is E w, which exceeds 1 / (truth^2 + epsilon) because 1 / r^2 is convex: by 3 Var r / r^2 to the second order, and by
-// a factor of r^2 / epsilon in pixels that no path has reached. So r is smoothed by the local linear filter of least mean square
-// error (Lee 1980): in windows of 7 x 7 pixels with the mean mu, the scatter S^2 and the mean variance of the noise v,
+// The remaining bias is that of E w, which exceeds 1 / (truth^2 + epsilon) because 1 / r^2 is convex: by 3 Var r / r^2
+// to the second order, and by a factor of r^2 / epsilon in pixels that no path has reached. So r is smoothed by the
+// local linear filter of least mean square error (Lee 1980): in windows of 7 x 7 pixels with the mean mu, the scatter
+// S^2 and the mean variance of the noise v,
 //     r <- r + lambda (mu - r),    lambda = min(1, 2 v / S^2).
-// Twice the variance makes windows without a picture of their own, where S^2 scatters around v, entirely flat. With the noise,
-// lambda vanishes, and with it the difference from the plain formula. v is pooled over the window, so that pixels that were
-// not hit borrow it. A pixel that surely differs from the one in the middle, by three standard deviations and more than fourfold,
-// is no part of its window (the idea of Lee's sigma filter, 1983): a lamp in view would make S^2 so large that nothing is smoothed
-// around it, where references of a true error of 6 % claimed 8.4 %. Simulated with 64 x 64 pixels, edges, textures, lamps and noise
-// that comes in hits, from 0.05 to 4 a pixel and of equal or exponential height, the estimated error of a reference is 1.00 to 1.18
-// times the true one (plain formula: 0.1 to 1.1; cross-fitting without a filter: 1.0 to 27).
+// Twice the variance makes windows without a picture of their own, where S^2 scatters around v, entirely flat. With the
+// noise, lambda vanishes, and with it the difference from the plain formula. v is pooled over the window, so that
+// pixels that were not hit borrow it. A pixel that surely differs from the one in the middle, by three standard
+// deviations and more than fourfold, is no part of its window (the idea of Lee's sigma filter, 1983): a lamp in view
+// would make S^2 so large that nothing is smoothed around it, where references of a true error of 6 % claimed 8.4 %.
+// Simulated with 64 x 64 pixels, edges, textures, lamps and noise that comes in hits, from 0.05 to 4 a pixel and of
+// equal or exponential height, the estimated error of a reference is 1.00 to 1.18 times the true one (plain formula:
+// 0.1 to 1.1; cross-fitting without a filter: 1.0 to 27).
 #include "experiments/metrics/denominators.h"
 
 #include "common/core/parallel.h"
@@ -51,7 +55,7 @@ struct NoisyValues {
         return sqr(r[j] - r[i]) <= sqr(surely_different) * (variance[i] + variance[j]) ||
                std::max(r[i], r[j]) <= most_ratio * std::min(r[i], r[j]);
     }
-    /// Value i, filtered; it stands at (x, y).
+    /// Value i at (x, y), filtered.
     double smoothed(std::size_t i, int x, int y) const {
         double count = 0, sum = 0, squares = 0, noise = 0;
         for (int v = std::max(0, y - filter_reach); v <= std::min(height - 1, y + filter_reach); ++v)
@@ -195,8 +199,8 @@ SampleMean Denominators::variance_of(const ReferenceLayer& layer) const {
         for (std::size_t g = 0; g < parts.size(); ++g)
             parts[g] += pairs.variance(g) / size;
     }
-    // The variance of a U-statistic of order two is 4 times that of the mean over the groups of each group's own pairs (Hoeffding
-    // 1948).
+    // The variance of a U-statistic of order two is 4 times that of the mean over the groups of each group's own pairs
+    // (Hoeffding 1948).
     const SampleMean mean = sample_mean(parts);
     const auto m = static_cast<double>(parts.size());
     return {m * mean.value, {4 * m * m * mean.variance.variance, m - 1}};

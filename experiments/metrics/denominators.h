@@ -1,6 +1,6 @@
 #pragma once
-// The denominators r^2 + epsilon of relative errors against a noisy reference, and estimates that the noise of the reference does
-// not bias. denominators.cpp has the derivation.
+// The denominators r^2 + epsilon of relative errors against a noisy reference, and estimates that the noise of the
+// reference does not bias. denominators.cpp has the derivation.
 
 #include "common/core/math.h"
 #include "experiments/metrics/reference_image.h"
@@ -10,7 +10,7 @@
 
 namespace gib {
 
-/// The images r that stand in r^2 + epsilon, for every layer of a reference.
+/// The images r in r^2 + epsilon, for every layer of a reference.
 class Denominators {
 public:
     /// From the reference's total. Without groups or a standard error, r is the image itself.
@@ -26,8 +26,8 @@ public:
     /// 1 / (smooth^2 + epsilon) of value i.
     double weight(std::size_t i) const { return weight(smooth_, i); }
 
-    /// Unbiased estimate of the mean over values of v / (r^2 + epsilon), where v is the variance of the layer's mean. Its own
-    /// variance comes from the scatter of the groups; it is NaN without groups.
+    /// Unbiased estimate of the mean over values of v / (r^2 + epsilon), where v is the variance of the layer's mean.
+    /// Its own variance comes from the scatter of the groups; it is NaN without groups.
     SampleMean variance_of(const ReferenceLayer& layer) const;
 
 private:
@@ -69,8 +69,8 @@ private:
     double constant_ = 0;  ///< mean(square d^2 + linear d) + constant
 };
 
-/// sqrt(mean of (v + bias^2) / (r^2 + epsilon)), with the variance v and the bias of the layer's mean; 0 without a standard error and a
-/// bias.
+/// sqrt(mean of (v + bias^2) / (r^2 + epsilon)), with the variance v and the bias of the layer's mean; 0 without a
+/// standard error and a bias.
 double relative_standard_error(const ReferenceLayer& layer, const Denominators& denominators);
 /// The part of it that is bias: sqrt(mean of bias^2 / (r^2 + epsilon)).
 double relative_bias(const ReferenceLayer& layer, const Denominators& denominators);

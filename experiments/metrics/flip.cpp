@@ -73,7 +73,7 @@ float hyab(const Vec3& a, const Vec3& b) {
     return std::abs(a[0] - b[0]) + std::sqrt(sqr(a[1] - b[1]) + sqr(a[2] - b[2]));
 }
 
-/// The colours that the eye resolves: the image filtered with the contrast sensitivity of each channel, in CIELab
+/// The visible colours: the image filtered with the contrast sensitivity of each channel, in CIELab
 /// with the Hunt effect.
 std::vector<Vec3> seen_colors(const OpponentImage& image, double pixels_per_degree) {
     const Plane y = contrast_filtered(image[0], OpponentChannel::achromatic, pixels_per_degree);

@@ -46,8 +46,8 @@ double filmic(double x);
 ExposureRange flip_exposures(const Image& reference);
 
 /// LDR-FLIP of two images in linear RGB in [0, 1], before the sRGB curve of a screen. It is symmetric, and exactly 0
-/// for equal images. Throws InputError if sizes differ, an image is empty, a value is not finite or there is less than one pixel
-/// per degree.
+/// for equal images. Throws InputError if sizes differ, an image is empty, a value is not finite or there is less than
+/// one pixel per degree.
 FlipMap ldr_flip(const Image& test, const Image& reference, double pixels_per_degree = default_pixels_per_degree);
 
 /// HDR-FLIP of linear radiance: the largest LDR-FLIP of each pixel over the exposures. Negative values count as 0. It

@@ -158,8 +158,8 @@ struct Curves {
             others.push_back(floor_derivative(curve, start, floor));
         return *jackknife(floor_derivative(all, start, floor), others, missed).interval;
     }
-    /// The highest floor that the runs allow; the last squared error if even 0 is too high for them, because then the law
-    /// does not describe them.
+    /// The highest floor that the runs allow; the last squared error if even 0 is too high for them, because then the
+    /// law does not describe them.
     double highest_floor(double missed) const {
         const double end = all.back().error2;
         const auto allows = [&](double floor) { return derivative(floor, missed).lo <= least_derivative; };
@@ -216,7 +216,7 @@ std::optional<Estimate> log_estimate(const ErrorLaw& law, const std::vector<Erro
     return Estimate{*whole, Interval{std::exp(interval.lo), std::exp(interval.hi)}};
 }
 
-/// Adds what the scatter of the runs tells.
+/// Adds the intervals by the scatter of the runs.
 void add_intervals(PriceLaw& price, const Curves& curves) {
     price.without = laws_of(curves.without, curves.start, true);
     price.floorless_without = laws_of(curves.without, curves.start, false);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* digest_key = "digest";
 /// The digest of what is needed to add samples to the reference later: the pixels and these metadata. `not_finite`
-/// exists only if it is not 0, `makers` only if there are several, `work` not in older files.
+/// exists only if it is not 0, `methods` only if there are several, `work` not in older files.
 std::string digest_of(const LayeredImage& file) {
     std::vector<std::string> keys = {"reference_key", "passes", "rounds", "seconds", "unresolved"};
     for (const char* optional : {"not_finite", "makers", "work"})

@@ -4,6 +4,7 @@
 #include "common/images/image.h"
 #include "common/images/image_file.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -26,13 +27,14 @@ struct ReferenceLayer {
     /// Empty, or one layer: the estimated bias of the mean (ComponentImages::bias).
     std::vector<ReferenceLayer> bias = {};
 
-    /// The number of values that are not finite: of the groups, else of the mean and its standard error, which are made of them.
+    /// The number of values that are not finite: of the groups, else of the mean and its standard error, which are made
+    /// of them.
     std::size_t non_finite_values() const;
-    /// Estimate of the squared bias of value i; 0 without a bias. It is unbiased, and may be negative, if the bias has a
-    /// standard error. If not, as in a single image, it is too large by the noise of the bias.
+    /// Estimate of the squared bias of value i; 0 without a bias. It is unbiased, and may be negative, if the bias has
+    /// a standard error. If not, as in a single image, it is too large by the noise of the bias.
     double squared_bias(std::size_t i) const;
-    /// The mean over all values of weight(i) squared_bias(i), but at least 0: how far the bias shifts the mean square of a
-    /// difference to this layer.
+    /// The mean over all values of weight(i) squared_bias(i), but at least 0: how far the bias shifts the mean square
+    /// of a difference to this layer.
     template <typename Weight>
     double mean_squared_bias(const Weight& weight) const {
         double sum = 0;
@@ -42,10 +44,15 @@ struct ReferenceLayer {
     }
 };
 
+inline bool contains(const std::vector<Component>& list, Component c) {
+    return std::find(list.begin(), list.end(), c) != list.end();
+}
+
 struct Reference {
     ReferenceLayer total;
     std::array<std::optional<ReferenceLayer>, component_count> components;
-    std::vector<Component> unresolved;  ///< those with paths that the reference's method cannot sample
+    /// Components that the reference's method samples incompletely, or in which it is contradicted.
+    std::vector<Component> unresolved;
     std::map<std::string, std::string> metadata;
 
     const std::optional<ReferenceLayer>& operator[](Component c) const {
@@ -82,7 +89,8 @@ std::string attribute_in(const std::map<std::string, std::string>& metadata, con
 /// The attributes by which an image of gibench says which scene it shows.
 std::map<std::string, std::string> scene_attributes(const LoadedScene& scene);
 /// Whether the attributes of two images say that they show different scenes: neither LoadedScene::content_hash nor
-/// LoadedScene::view_hash agrees. Images of older versions have only the first; one that has neither may show any scene.
+/// LoadedScene::view_hash agrees. Images of older versions have only the first; one that has neither may show any
+/// scene.
 bool show_different_scenes(const std::map<std::string, std::string>& a, const std::map<std::string, std::string>& b);
 
 /// Makes a layer from the means of groups, which all have the same number of samples: their mean, and as its standard

@@ -102,8 +102,9 @@ std::vector<double> hann_correlation(std::size_t n) {
 }
 
 /// A lag window that is 1 for lags up to a quarter of n, and falls to 0 at three quarters. The correlation of the Hann
-/// window bends at lag 0, which adds 1 / (3 n^2) to the mean square of each frequency: the centroid of Gaussian noise of
-/// 3 pixels is 19 % too high in 24 pixels, and 3 % in 64. A flat top adds nothing to noise whose correlation ends there.
+/// window bends at lag 0, which adds 1 / (3 n^2) to the mean square of each frequency: the centroid of Gaussian noise
+/// of 3 pixels is 19 % too high in 24 pixels, and 3 % in 64. A flat top adds nothing to noise whose correlation ends
+/// there.
 std::vector<double> flat_top(std::size_t n) {
     std::vector<double> window(n);
     for (std::size_t lag = 0; lag < n; ++lag) {
@@ -273,13 +274,13 @@ struct Correlations {
 /// The power spectrum of stationary noise that is known only in the pixels of a mask, at the frequencies of an image,
 /// with a lag window for each axis. White noise has power 1.
 ///
-/// A transform of the masked and windowed image would broaden the spectrum of smooth noise (its centroid by 15 %
-/// where a disc of a fifth of the width is masked), and the window would waste most pixels. The correlation function
-/// avoids both. The sum of z(p) z(p + lag) over the pairs of pixels kept, divided by the number of pairs, is unbiased
-/// for any mask. Times the correlation of the Hann window with itself, its transform has the same expectation as the
-/// periodogram of an unmasked image under that window, which is never negative. Moments of the spectrum take flat_top(). MASTER (Hivon et al. 2002, ApJ 567) does the same for maps of
-/// the sky. The mean of an image is not subtracted: the noise has mean zero by construction, and power would be lost
-/// around DC.
+/// A transform of the masked and windowed image would broaden the spectrum of smooth noise (its centroid by 15 % where
+/// a disc of a fifth of the width is masked), and the window would waste most pixels. The correlation function avoids
+/// both. The sum of z(p) z(p + lag) over the pairs of pixels kept, divided by the number of pairs, is unbiased for any
+/// mask. Times the correlation of the Hann window with itself, its transform has the same expectation as the
+/// periodogram of an unmasked image under that window, which is never negative. Moments of the spectrum take
+/// flat_top(). MASTER (Hivon et al. 2002, ApJ 567) does the same for maps of the sky. The mean of an image is not
+/// subtracted: the noise has mean zero by construction, and power would be lost around DC.
 Field power_through_mask(const Correlations& correlations, Size size, std::vector<double> (*lag_window)(std::size_t)) {
     // A lag is damped if it has few pairs: fewer than this share
     // of its weight by the window, times the pairs of lag 0.

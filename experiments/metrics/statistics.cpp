@@ -112,7 +112,7 @@ VarianceTerm linearised(const Table& k) {
 /// residual_square from the jackknife would make it unbiased, but 95 % intervals from this
 /// difference of two noisy squares cover only 91 % where both orders matter. So half of that is
 /// subtracted, and the result is at least the variance that all squares together give if there is
-/// no first order. For n >= 4, intervals then cover 93 to 98 % at every ratio of the two orders.
+/// no first order. For n >= 4, intervals cover 93 to 98 % at every ratio of the two orders.
 VarianceTerm pair_variance(const Table& k) {
     const auto n = static_cast<double>(k.rows());
     const PairMean pairs = pair_mean(k);
@@ -196,9 +196,9 @@ PlainReference plain_reference(const std::vector<Image>& replicates, const Refer
 }
 
 /// A mean of squares may be larger because of values that are too rare for any replicate to show, which the scatter of
-/// the replicates cannot tell: by up to this many times the largest square that a pixel shows. A value that does not
-/// occur in a sample occurs less than -log(0.025) = 3.69 times in a sample of this size on average, with a confidence of
-/// 97.5 % (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a Pareto tail of index a, the squares beyond the
+/// the replicates do not determine: up to this many times the largest square of a pixel. A value that does not occur in
+/// a sample occurs less than -log(0.025) = 3.69 times in a sample of this size on average, with a confidence of 97.5 %
+/// (Hanley and Lippman-Hand 1983 for 95 %: the rule of three). In a Pareto tail of index a, the squares beyond the
 /// largest one that was seen exceed it a / (a - 1) times on average. The index is taken as 2, the heaviest tail whose
 /// squares have a variance.
 constexpr double unseen_terms = 3.69 * 2;
@@ -319,15 +319,17 @@ Estimate bias2_of(const Moments& of, double value) {
     return widened(estimate(value, {pair_variance(of.seeds), reference_term(of)}), of.reference.squared_bias);
 }
 
-/// The variance V of one replicate: the mean of k_ij = |x_i - x_j|^2 / 2 over pairs. Its term of first order vanishes where all
-/// seeds deviate from their mean by the same distance, as two halves of alike seeds do; the jackknife then gives no variance.
-/// So the variance is at least that of normal noise with covariance S, 2 T / (n - 1) with T = tr(S^2), which falls with the number
-/// of independent pixels tr(S)^2 / tr(S^2). All squares of the table together estimate T, for normal noise without bias
-/// (Srivastava 2005, "Some tests concerning the covariance matrix in high dimensional data"), with (n - 2)(n + 1) / 2 degrees of
-/// freedom. If all pixels move together, T is V^2 (n - 1) / (n + 1) for any seeds, and V itself has n - 1 degrees of freedom;
+/// The variance V of one replicate: the mean of k_ij = |x_i - x_j|^2 / 2 over pairs. Its term of first order vanishes
+/// where all seeds deviate from their mean by the same distance, as two halves of alike seeds do; the jackknife then
+/// gives no variance. So the variance is at least that of normal noise with covariance S, 2 T / (n - 1) with T =
+/// tr(S^2), which falls with the number of independent pixels tr(S)^2 / tr(S^2). All squares of the table together
+/// estimate T, for normal noise without bias (Srivastava 2005, "Some tests concerning the covariance matrix in high
+/// dimensional data"), with (n - 2)(n + 1) / 2 degrees of freedom. If all pixels move together, T is V^2 (n - 1) / (n +
+/// 1) for any seeds, and V itself has n - 1 degrees of freedom;
 /// `share` is T relative to that, between 0 and 1. With that share the whole image also counts as one pixel whose largest value
-/// may be unseen (unseen_terms). In simulations with 3 to 8 seeds, 95 % intervals cover 93 % or more for 1 to 3000 independent
-/// pixels of normal, uniform, two-valued, t (3, 5 degrees), lognormal and Poisson noise, and 92 % of one exponential value.
+/// may be unseen (unseen_terms). In simulations with 3 to 8 seeds, 95 % intervals cover 93 % or more for 1 to 3000
+/// independent pixels of normal, uniform, two-valued, t (3, 5 degrees), lognormal and Poisson noise, and 92 % of one
+/// exponential value.
 Estimate variance_of(const Moments& of) {
     const Table& seeds = of.seeds;
     Table halves = -seeds;
@@ -376,8 +378,8 @@ struct TrueError {
     double rel_mse, rel_bias2;
 };
 
-/// Both errors against the truth. bias2 is the mean over pairs of different replicates, which is the squared difference of
-/// their mean less the sampling variance s^2 / n.
+/// Both errors against the truth. bias2 is the mean over pairs of different replicates, which is the squared difference
+/// of their mean less the sampling variance s^2 / n.
 TrueError true_error(const std::vector<Image>& replicates, const NoisyTruth& truth) {
     const auto n = static_cast<double>(replicates.size());
     double rel_mse = 0;

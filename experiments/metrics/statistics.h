@@ -18,8 +18,8 @@ struct ImageError {
     double mse_corrected, rel_mse_corrected;
 };
 
-/// The denominators are those of the reference's total, also for a component; `truth` is made of `reference` and them. A value of x
-/// that is not finite makes the result not finite. Throws InputError if sizes differ.
+/// The denominators are those of the reference's total, also for a component; `truth` is made of `reference` and them.
+/// A value of x that is not finite makes the result not finite. Throws InputError if sizes differ.
 ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators,
                        const NoisyTruth& truth);
 ImageError image_error(const Image& x, const ReferenceLayer& reference, const Denominators& denominators);
@@ -38,27 +38,27 @@ struct Estimate {
 Estimate estimate(double value, const std::vector<VarianceTerm>& terms);
 
 /// A statistic with the 95 % interval of the delete-one jackknife (Efron and Stein 1981), by Student's t with n - 1
-/// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn. The
-/// interval misses the truth with probability `tail`, both sides together.
+/// degrees of freedom. `without` holds the values of the statistic when each of the n >= 2 runs is left out in turn.
+/// The interval misses the truth with probability `tail`, both sides together.
 Estimate jackknife(double value, const std::vector<double>& without, double tail = 0.05);
 
 /// The errors of one method, from several independently seeded images.
 struct ReplicateStatistics {
     int seeds;
     Estimate mse, rmse, rel_mse;  ///< mse and rel_mse: means over the replicates; rmse = sqrt(mse)
-    /// Estimates against the truth (ImageError). rmse_corrected is NaN where the reference's variance exceeds the error;
-    /// rel_mse_corrected is unclipped.
+    /// Estimates against the truth (ImageError). rmse_corrected is NaN where the reference's variance exceeds the
+    /// error; rel_mse_corrected is unclipped.
     double rmse_corrected, rel_mse_corrected;
     std::optional<Estimate> bias2;     ///< from 2 seeds on: mean of (E x - r)^2, unbiased, unclipped
     std::optional<Estimate> variance;  ///< from 2 seeds on: mean over pixels of the unbiased variance of a replicate
-    /// The same as bias2 for rel_mse_corrected; rel_mse_corrected - rel_bias2 is the part of the variance.
+    /// Relative squared bias, as bias2; rel_mse_corrected - rel_bias2 is the relative variance.
     std::optional<Estimate> rel_bias2;
-    /// -2 <mean x - R, G_g - R> / rel_mse_corrected for each group G_g of the reference: how much log rel_mse_corrected changes if
-    /// the reference R moves by G_g - R (first order, no unit; ranking.h). Empty without groups, and where rel_mse_corrected is
-    /// not positive.
+    /// -2 <mean x - R, G_g - R> / rel_mse_corrected for each group G_g of the reference: how much log rel_mse_corrected
+    /// changes if the reference R moves by G_g - R (first order, no unit; ranking.h). Empty without groups, and where
+    /// rel_mse_corrected is not positive.
     std::vector<double> pulls = {};
     /// How much log rel_mse_corrected changes if the reference has missed the light that it may have missed; <= 0
-    /// (analysis/unmet_light.h).
+    /// (analysis/unsampled_light.h).
     double missed_shift = 0;
 };
 

@@ -10,15 +10,14 @@
 // Heavy tails make the test conservative if d is symmetric (Efron 1969, "Student's t-test under symmetry conditions";
 // Benjamini 1983, "Is the t test really conservative when the parent distribution is long-tailed?"). But the noise of
 // path tracing is skewed: a block which rare bright paths have not met yet is too dark AND has too small an s. With s
-// alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below
-// the value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
-// variances of the reference or of the test, whichever gives more (one of them has met the rare paths), or evenly if the reference
-// has no standard error.
-// Blocks that are too dark are then judged with the variance that the hypothesis predicts. Blocks that are too bright
-// are judged with their own, whose growth with S bounds T. The price is a weaker test where the noise of the image
-// varies from block to block in another way than that of the reference.
+// alone, path traced images of cornell-glass.xml at 16 samples a pixel are rejected every time. So V is never below the
+// value that the surroundings predict: the summed V of the 7 x 7 blocks around, shared out in proportion to the
+// variances of the reference or of the test, whichever gives more (one of them has met the rare paths), or evenly if
+// the reference has no standard error. Blocks that are too dark are tested with the variance that the hypothesis
+// predicts, blocks that are too bright with their own, whose growth with S bounds T. The price is a weaker test where
+// the noise of the image varies from block to block in another way than that of the reference.
 //
-// Replicates tell whether pixels share noise, as with photon maps, by the ratio of the variance of their block means
+// Replicates show whether pixels share noise, as with photon maps, by the ratio of the variance of their block means
 // to the sum of the variances of their pixels. If this ratio is above 1 beyond its own uncertainty, V is multiplied
 // by it, and the variance of the whole image is that of the replicates' means.
 //
@@ -217,8 +216,8 @@ void raise_to_surroundings(std::vector<BlockSums>& blocks, const std::vector<dou
     }
 }
 
-/// The same in proportion to the variances of the reference and, if they are known, too, of the test; to the numbers of pixels if
-/// those of the reference are not.
+/// Raises in proportion to the variances of the reference and of the test, as far as known; without the reference's, to
+/// the numbers of pixels.
 void raise_to_surroundings(std::vector<BlockSums>& blocks, const Grid& grid, bool x_known, bool r_known) {
     std::vector<double> variances;
     for (const BlockSums& block : blocks)
@@ -251,7 +250,7 @@ double shared_noise(const std::vector<BlockSums>& blocks, BlockSide BlockSums::*
 struct SharedNoise {
     double x = 1, r = 1;
 
-    /// The larger of these factors and of those that the replicates show in larger blocks; a factor of 1 stays.
+    /// Each factor, or that of the replicates in larger blocks if it is larger; a factor of 1 stays.
     SharedNoise at_least_in(const std::vector<BlockSums>& blocks) const {
         return {x > 1 ? std::max(x, shared_noise(blocks, &BlockSums::x)) : 1,
                 r > 1 ? std::max(r, shared_noise(blocks, &BlockSums::r)) : 1};
@@ -270,7 +269,7 @@ struct NoiseOfBlock {
     NoiseOfBlock(const BlockSums& block, const SharedNoise& shared) {
         const double c = shared.of(block);
         variance = c * block.difference.value;
-        // Pixels that share noise also tell less about its variance.
+        // Pixels that share noise also have fewer degrees of freedom.
         degrees = std::max(1.0, block.degrees / c);
     }
     /// The noise of the whole image. If pixels share noise, its variance is the scatter of the replicates' means,

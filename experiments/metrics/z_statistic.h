@@ -35,8 +35,9 @@ struct BlockTest {
     double deviation = 0;  ///< mean of the test - mean of the reference [W/(sr m^2)]
     double t = 0;          ///< deviation / its standard error; infinite where that is 0 and the deviation is not
     double p = 1;          ///< P(|T| >= |t|) if the hypothesis is true
-    /// Whether the 95 % interval of the deviation holds 0. If both images have replicates, the interval is that of the scatter of
-    /// their sums, which needs neither the surroundings nor independent pixels: p is too large where these say more noise.
+    /// Whether the 95 % interval of the deviation holds 0. If both images have replicates, the interval is that of the
+    /// scatter of their sums, which needs neither the surroundings nor independent pixels: p is too large where these
+    /// say more noise.
     bool holds_zero = true;
 };
 
@@ -57,7 +58,8 @@ struct LayerZTest {
 };
 
 /// `x`: the image to test, with its standard error and its replicates (as groups), if there are any; `r`: the
-/// reference; `r_total`: the reference's total. All values must be finite, and all images of one size. `block_edge` is that of the small blocks [pixels]; large ones have 8 x 8 of them.
+/// reference; `r_total`: the reference's total. All values must be finite, and all images of one size. `block_edge` is
+/// that of the small blocks [pixels]; large ones have 8 x 8 of them.
 LayerZTest z_test(const ReferenceLayer& x, const ReferenceLayer& r, const Image& r_total,
                   int block_edge = z_block_edge);
 

@@ -61,7 +61,7 @@ std::array<std::int8_t, 3> bytes_of(const Vec3& n) {
     return {rounded.x(), rounded.y(), rounded.z()};
 }
 
-/// The view of the scene's camera: where it stands, where it looks, and the angle that the image's height spans. A
+/// The view of the scene's camera: position, direction, and the angle that the image's height spans. A
 /// camera with parallel rays is replaced by a distant one.
 json camera_json(const Scene& scene) {
     const Sensor& sensor = scene.sensor();
@@ -77,7 +77,7 @@ json camera_json(const Scene& scene) {
         up = top.o - bottom.o;
         position = scene.bounds().center() - 2.f * scene.diagonal() * direction;
     }
-    // A film of one row tells no direction upwards.
+    // A film of one row has no direction upwards.
     if (!(up.squaredNorm() > 0.f)) up = Frame(direction).s;
     return {{"position", json_of(position)},
             {"direction", json_of(direction)},
@@ -150,9 +150,9 @@ void add_patches(const StoredPatches& patches, Arrays& arrays) {
     arrays.add("patch-indices", patches.patches);
 }
 
-/// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where they
-/// meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2 diffusely, so that
-/// an estimate is made there.
+/// Adds the places where the rays through the middles of the pixels first meet a surface: points, not a number where
+/// they meet none, normals towards the camera, and how the surface reflects: 0 not at all, 1 only specularly, 2
+/// diffusely, so that an estimate is made there.
 void add_pixel_places(const Scene& scene, const PixelGrid& grid, Arrays& arrays) {
     std::vector<Position> points;
     std::vector<std::array<std::int8_t, 3>> normals;

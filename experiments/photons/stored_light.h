@@ -24,9 +24,9 @@ inline bool is_at_step(std::size_t i, std::size_t count, std::size_t shown) {
     return (i + 1) * shown / count > i * shown / count;
 }
 
-/// A uniform subset of the photons of several maps and passes, in memory that does not grow with the number of photons. Each
-/// photon gets a random number, and the photons with the least numbers are kept (bottom-k sampling). Every subset of this size is
-/// equally likely, whatever the order in which photons arrive.
+/// A uniform subset of the photons of several maps and passes, in memory that does not grow with the number of photons.
+/// Each photon gets a random number, and the photons with the least numbers are kept (bottom-k sampling). Every subset
+/// of this size is equally likely, whatever the order in which photons arrive.
 class PhotonSubset {
 public:
     /// Keeps at most `most` photons, in even shares of the maps.
@@ -68,13 +68,13 @@ struct StoredLightWork {
     std::uint64_t seed = 1;
     std::uint32_t most_passes;                               ///< 1 to 255
     std::size_t most_photons;                                ///< number of photons shown
-    StageTimes::Listener listener = StageTimes::Listener();  ///< is told of the progress
+    StageTimes::Listener listener = StageTimes::Listener();  ///< receives the progress
 };
 
 struct CollectedLight {
     std::vector<PhotonSubset::Map> photons;
     StoredBeams beams;             ///< `emitted`: for those of all passes
-    std::size_t stored_beams = 0;  ///< of which `beams` are some, evenly spaced
+    std::size_t stored_beams = 0;  ///< `beams` are some of them, evenly spaced
     std::vector<StoredRecord> records;
     StoredPatches patches;
     std::uint32_t passes = 0;          ///< number of passes made
@@ -87,8 +87,8 @@ struct CollectedLight {
 /// Throws InputError, which names the methods that store light, if the method is none of them.
 void require_stored_light(const MethodLabel& method);
 
-/// Makes passes until a further one would store no other light, at most `most_passes`; none if the start stores all. The
-/// photons are those of all passes made, beams, records and patches those after the last.
+/// Makes passes until a further one would store no other light, at most `most_passes`; none if the start stores all.
+/// The photons are those of all passes made, beams, records and patches those after the last.
 CollectedLight collect_stored_light(const StoredLightWork& work);
 
 struct ShownImageWork {
@@ -96,7 +96,7 @@ struct ShownImageWork {
     const ConfiguredMethod& method;
     std::uint64_t seed = 1;
     std::uint32_t passes;        ///< a run that converges ends earlier
-    WorkObserver observer = {};  ///< is told of the progress
+    WorkObserver observer = {};  ///< receives the progress
 };
 
 /// An image, and what its estimates use.

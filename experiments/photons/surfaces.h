@@ -20,9 +20,9 @@ struct SurfaceTriangles {
     std::size_t count() const { return positions.size() / 3; }
 };
 
-/// The triangles of meshes, and spheres, disks and cylinders cut into triangles; those of instances in their places. The
-/// colour is the diffuse reflectance in the middle of a triangle; lamps are light yellow, and surfaces
-/// without diffuse reflectance have the colour of what they reflect and transmit, tinted blue. Of scenes with more than
+/// The triangles of meshes, and spheres, disks and cylinders cut into triangles; those of instances in their places.
+/// The colour is the diffuse reflectance in the middle of a triangle; lamps are light yellow, and surfaces without
+/// diffuse reflectance have the colour of what they reflect and transmit, tinted blue. Of scenes with more than
 /// `most` triangles, each shape shows some, taken at even steps.
 SurfaceTriangles surface_triangles(const Scene& scene, std::size_t most);
 

@@ -1,4 +1,4 @@
-// What the method estimates at a place that the camera sees, and the photons or records that the estimate uses there.
+// The method's estimate at a visible point, and the photons or records that it uses.
 
 const ESTIMATE_COLORS = { global: 0x4fd0ff, caustic: 0xffc14f, record: 0x7fe08a };
 const COMPONENTS_OF_MAPS = { global: "indirect", caustic: "caustic" };
@@ -142,7 +142,7 @@ class Estimates {
   }
 }
 
-/// What the photons of the method's image were emitted for.
+/// The purposes of the photons of the method's image.
 function emission(emitted) {
   const all = [...facts.maps.map((map) => [map.emitted, `for the ${map.name} map`]), [facts.beams.emitted, "for the beams"]];
   const rest = emitted - all.reduce((sum, [count]) => sum + count, 0);

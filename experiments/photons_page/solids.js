@@ -2,7 +2,7 @@
 
 const colorsOf = (numbers, factor) => numbers.map((v) => clamped(v * factor, 0, 1));
 
-/// The surfaces: first those that reflect diffusely or emit, then those that one sees through.
+/// The surfaces: diffuse reflectors and emitters first, transparent ones last.
 class Surfaces {
   constructor() {
     const geometry = new THREE.BufferGeometry();
@@ -22,7 +22,7 @@ class Surfaces {
     this.mesh.renderOrder = 1;
   }
 
-  /// Solid surfaces are dim, so that light stored on them stands out.
+  /// Solid surfaces are dim, so that stored light is visible on them.
   show(how) {
     this.mesh.visible = how !== "hidden";
     this.materials.forEach((material, i) => {

@@ -57,7 +57,7 @@ void read_scenes(const TomlReader& reader, const toml::node& node, Experiment& e
         scene.name = std::filesystem::path(scene.path).stem().string();
         for (const auto& other : experiment.scenes)
             if (other.name == scene.name)
-                reject(scene.where, "two scenes are named '{}': tables could not tell them apart", scene.name);
+                reject(scene.where, "two scenes are named '{}': tables need different names", scene.name);
         experiment.scenes.push_back(std::move(scene));
     }
 }
@@ -114,8 +114,8 @@ void read_targets(const TomlReader& reader, const toml::node& node, Experiment& 
         experiment.scenes[i].goal.target = read_target(reader, (*list)[i]);
 }
 
-/// Reads the images that are the references: for the only scene one, or a list of replicates; for several scenes a list with one,
-/// or with a list of replicates, for each.
+/// Reads the images that are the references: for the only scene one, or a list of replicates; for several scenes a list
+/// with one, or with a list of replicates, for each.
 void read_reference_images(const TomlReader& reader, const toml::table& table, Experiment& experiment) {
     reader.check_keys(table, "[reference] with an image", {"image"});
     const toml::node& node = *table.get("image");
@@ -156,7 +156,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
         label = MethodLabel::parse(reader.string(*method, "method"), where);
     }
     const std::string name = label.name;
-    // Parameters of several makers are those of the first one, if all have them.
+    // Parameters of several methods are those of the first one, if all have them.
     label.name = reference_methods(label, where).front()->name;
     MethodSweep further(reader, find_comparable_method(label.name, where), label);
     const auto own = names_of(experiment_keys(), "[reference]");
@@ -176,7 +176,7 @@ void read_reference(const TomlReader& reader, const toml::node* node, Experiment
     }
 }
 
-/// The texts of a list, or the one that stands there alone.
+/// The texts of a list, or a single text.
 std::vector<TuneFile::Text> read_texts(const TomlReader& reader, const toml::node& node, const char* key,
                                        const char* of_what) {
     if (node.is_string()) return {{reader.string(node, key), reader.at(node)}};

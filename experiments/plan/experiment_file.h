@@ -2,7 +2,8 @@
 // An experiment file says which scenes are rendered with which methods, how often and for how long, and with what
 // references they are compared.
 //
-// A tuning is asked for on the command line of `gibench tune`, or for each of its scenes by an experiment file with `[tune]`.
+// A tuning is asked for on the command line of `gibench tune`, or for each of its scenes by an experiment file with
+// `[tune]`.
 
 #include "common/core/error.h"
 #include "experiments/plan/external_method.h"
@@ -36,7 +37,7 @@ struct ReferenceGoal {
 
 struct ExperimentScene {
     std::string path;     ///< as the program opens it
-    std::string written;  ///< as it stands in the experiment file
+    std::string written;  ///< as in the experiment file
     std::string name;     ///< the file's name without folder and extension
     SourceLocation where;
     ReferenceGoal goal;
@@ -79,7 +80,8 @@ Experiment load_experiment(const std::string& path);
 /// as load_experiment().
 Experiment parse_experiment(const std::string& text, const std::string& path);
 
-/// Whether the text of an experiment file gives a budget in seconds. Of a text that is no experiment, nothing is known: true.
+/// Whether the text of an experiment file gives a budget in seconds. Of a text that is no experiment, nothing is known:
+/// true.
 bool has_time_budget(const std::string& text);
 
 /// The fraction that a text such as "1%" or "0.01" gives. Throws InputError at `where` unless it lies in (0, 1).

@@ -34,7 +34,7 @@ std::string read_given_name(const TomlReader& reader, const toml::table& table, 
     return name;
 }
 
-/// The first word of a command, in which blanks may stand between quotes or after a backslash, as in a shell.
+/// The first word of a command; blanks between quotes or after a backslash belong to it, as in a shell.
 std::string first_word(const std::string& command) {
     std::string word;
     char quote = '\0';
@@ -59,8 +59,8 @@ std::string program_of(const std::string& command) {
     return name.empty() ? "command" : name;
 }
 
-/// The name in labels of a value of the key `filter`, which may be a command such as that of Open Image Denoise: the file's name of
-/// its first word, and a number if several commands have the same. Adds commands to `filters`.
+/// The name in labels of a value of the key `filter`, which may be a command such as that of Open Image Denoise: the
+/// file's name of its first word, and a number if several commands have the same. Adds commands to `filters`.
 std::string read_filter(const TomlReader& reader, const toml::node& value, Commands& filters) {
     static const std::vector<std::string> known = {"image", "albedo", "normal", "depth", "variance", "threads", "out"};
     const std::string text = reader.string(value, "filter");

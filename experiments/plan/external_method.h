@@ -1,6 +1,6 @@
 #pragma once
-// Other renderers as methods: [[method]] tables of an experiment file with a `command`. The command runs in a shell, after
-// its placeholders, such as {scene}, are replaced.
+// Other renderers as methods: [[method]] tables of an experiment file with a `command`. The command runs in a shell,
+// after its placeholders, such as {scene}, are replaced.
 
 #include "common/core/error.h"
 #include "methods/parameters.h"
@@ -34,8 +34,8 @@ struct ExternalMethod {
 /// The placeholders that every command may have: scene, out, spp, seconds, seed, threads, width, height.
 const std::vector<std::string>& command_placeholders();
 
-/// The command with its placeholders replaced by `values`, each quoted for the shell if it needs that, and by the values of
-/// the label. Throws InputError at the command for a placeholder without a value.
+/// The command with its placeholders replaced by `values`, each quoted for the shell if it needs that, and by the
+/// values of the label. Throws InputError at the command for a placeholder without a value.
 std::string filled_command(const ExternalMethod& method, const std::map<std::string, std::string>& values);
 
 /// The methods of an experiment.

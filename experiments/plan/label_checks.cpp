@@ -15,7 +15,7 @@ std::string filter_of(const MethodLabel& label) {
 void require_passes(const MethodLabel& label, int least, const SourceLocation& where) {
     const ParameterValues values(all_parameters(find_method(label.name)), label, where);
     if (values.given("spp") && values.integer("spp") < least)
-        reject(where, "the filter takes the passes apart, by which it tells noise: 'spp' has to be {} at least", least);
+        reject(where, "the filter estimates noise from halves of the passes: 'spp' has to be {} at least", least);
 }
 
 void require_own_filter(const MethodLabel& label, const SourceLocation& where) {

@@ -20,13 +20,13 @@ public:
     /// `start` is a label of the method, to which parameters are added.
     MethodSweep(const TomlReader& reader, const MethodDescription& method, MethodLabel start)
         : MethodSweep(reader, all_parameters(method), std::move(start)) {}
-    /// The same for a name that is no method of gibench, with these parameters.
+    /// A sweep of a name that is no method of gibench, with these parameters.
     MethodSweep(const TomlReader& reader, std::vector<Parameter> parameters, MethodLabel start);
 
     /// Adds a parameter with its value or its list of values.
     /// Throws InputError at the place of the key or of the value.
     void add(const TomlReader::Entry& entry);
-    /// The same with these values for the entry's.
+    /// The label with these values in place of the entry's.
     void add(const TomlReader::Entry& entry, const std::vector<std::string>& values);
     /// The keys of a table that has these keys of its own besides the parameters.
     std::vector<std::string> keys_beside(std::vector<std::string> own) const;

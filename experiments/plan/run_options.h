@@ -19,7 +19,8 @@ inline constexpr int default_seeds = 1;
 inline constexpr std::string_view default_tuning_target = "2%";
 inline constexpr double default_tuning_minutes = 20;
 
-/// One of several parts of an experiment, which any machine may run: the cells at places p with p mod `count` = `index`.
+/// One of several parts of an experiment, which any machine may run: the cells at places p with p mod `count` =
+/// `index`.
 struct RunShare {
     std::size_t index = 0, count = 1;
 

@@ -133,8 +133,8 @@ int run_on(ExecutorOptions executor, const RunOptions& options) {
     return submit_run(options, executor.slurm, std::cout);
 }
 
-/// Makes `work(*options)` the action of a command, whose exit code is 0 if that returns none. The options live as long as
-/// the command.
+/// Makes `work(*options)` the action of a command, whose exit code is 0 if that returns none. The options live as long
+/// as the command.
 template <typename Options, typename Work>
 void perform_with(const std::shared_ptr<Options>& options, CLI::App* command, Action& action, Work work) {
     command->callback([=, &action] {
@@ -169,8 +169,7 @@ void add_run(CLI::App& app, Action& action, const std::string& command_line) {
     command->add_option_function<std::string>(
         "--share", [options](const std::string& text) { options->share = share_in(text); },
         "I/N: run only the cells number I, I + N, I + 2 N, ... of the experiment, counted from 0; N machines that "
-        "share the "
-        "folder of the results, and results/references, run one share each, and the same command without --share then "
+        "share the folder of the results and results/references run one share each; the same command without --share "
         "makes the tables");
     CLI::Option* repeat = command->add_option(
         "--repeat", *repeated,
@@ -243,8 +242,8 @@ void add_compare(CLI::App& app, Action& action) {
                       "compare images of another scene, or of another version of it, than the reference's, too");
     command->add_flag(
         "--z-test", options->z_test,
-        "test whether the images differ from the reference by noise alone: exit code 0 accepted, 1 rejected. They are "
-        "accepted if no block of 8 x 8 or 64 x 64 pixels and no whole image differs in any channel or component (1 % "
+        "test whether the images differ from the reference by noise alone: exit code 0 accepted, 1 rejected. Accepted "
+        "if no block of 8 x 8 or 64 x 64 pixels and no whole image differs in any channel or component (1 % "
         "for all tests together, with the noise of both sides) and if the 95 % interval of the mean's deviation lies "
         "within 0.2 %");
     perform_with(options, command, action, [files](CompareOptions& o) {

@@ -46,9 +46,9 @@ std::string advice(const CLI::App& command, const std::string& word) {
     const bool has_method = command.get_option_no_throw("--method") != nullptr;
     const std::string name = word.substr(0, word.find('='));
     if (has_method && word.find('=') != std::string::npos && is_parameter(name))
-        return fmt::format("; a label stands in quotes: --method \"NAME {}\"", word);
+        return fmt::format("; put a label in quotes: --method \"NAME {}\"", word);
     if (has_method && word.starts_with("--") && is_parameter(name.substr(2)))
-        return fmt::format("; parameters stand in the label: --method \"NAME {}=...\"", name.substr(2));
+        return fmt::format("; parameters belong in the label: --method \"NAME {}=...\"", name.substr(2));
     return word.starts_with("--") ? did_you_mean(name, options_of(command)) : "";
 }
 
@@ -84,7 +84,8 @@ public:
     }
 };
 
-/// The parts of the script that depend on the program: the commands, each with those above it, and what may follow each of them.
+/// The parts of the script that depend on the program: the commands, each with those above it, and what may follow each
+/// of them.
 struct KnownCommands {
     std::vector<std::string> names;
     std::string cases;  ///< of bash's `case`
@@ -126,7 +127,7 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
         command = command->get_subcommands().front();
     const auto known = commands_of(*command);
     const auto extras = command->remaining();
-    // The words stand in their order on the command line, which the parser does not keep.
+    // The words in their order on the command line, which the parser does not keep.
     const auto wrong = std::ranges::find_if(
         words, [&](const std::string& word) { return std::ranges::find(extras, word) != extras.end(); });
     const std::string path = command == &app ? "gibench" : "gibench " + command->get_name();

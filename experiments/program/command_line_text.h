@@ -1,6 +1,6 @@
 #pragma once
-// The words of the command line: texts of options that mean more than a number, help that fits a terminal of 80 columns, which
-// word is wrong, and the completion for bash.
+// The words of the command line: texts of options that mean more than a number, help that fits a terminal of 80
+// columns, which word is wrong, and the completion for bash.
 
 #include "experiments/plan/run_options.h"
 
@@ -24,8 +24,8 @@ std::string wrong_word(const CLI::App& app, const std::vector<std::string>& word
 /// Makes `help run` of a command line `run --help`, as in other programs.
 void take_help_as_option(int argc, char** argv);
 
-/// The text in lines of at most `width` characters, broken at spaces; a line that begins with spaces goes on below them. Words
-/// that are longer stand alone.
+/// The text in lines of at most `width` characters, broken at spaces; a line that begins with spaces goes on below
+/// them. Words that are longer stand alone.
 std::string wrapped(const std::string& text, std::size_t width);
 
 /// For CLI::App::formatter().

@@ -50,7 +50,7 @@ std::vector<std::string> plan_lines(const ConfiguredMethod& method, const Loaded
     for (Effect e : plan.missing.list())
         lines.push_back(fmt::format("missing: {}", name_of(e)));
     for (Component c : plan.unresolved)
-        lines.push_back(fmt::format("unresolved: {}", name_of(c)));
+        lines.push_back(fmt::format("not sampled: {}", name_of(c)));
     if (auto light = seldom_found_light(*loaded.scene, method.label); !light.empty())
         lines.push_back("warning: " + light);
     return lines;
@@ -69,8 +69,8 @@ std::vector<std::string> common_lines(const std::vector<std::vector<std::string>
     return common;
 }
 
-/// Warns of the effects of the scene that the method does not simulate, and of the components of which it leaves out
-/// paths or hardly ever finds them.
+/// Warns of the effects of the scene that the method does not simulate, and of components that it samples incompletely
+/// or rarely.
 void warn_of_left_out(const Scene& scene, const Plan& plan, const MethodLabel& label, ProgressLine& progress) {
     std::vector<std::string_view> effects;
     for (Effect e : plan.missing.list())

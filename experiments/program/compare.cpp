@@ -98,7 +98,7 @@ Json metrics(const Subject& subject, Flip flip) {
     return json;
 }
 
-/// The image without the components that the reference does not resolve; an image without layers of
+/// The image without the components that the reference lacks; an image without layers of
 /// components as it is.
 Image judged_total(const LayeredImage& file, const Reference& reference, const Judgement& judgement,
                    const std::string& path) {
@@ -159,8 +159,8 @@ std::vector<Image> biases_in(const std::vector<LayeredImage>& files, const std::
     return biases.size() == files.size() ? biases : std::vector<Image>();
 }
 
-/// Several images of a layer are its replicates, and so are their biases; a single image may have a standard error of its
-/// own.
+/// Several images of a layer are its replicates, and so are their biases; a single image may have a standard error of
+/// its own.
 ReferenceLayer tested_layer(const std::vector<Image>& images, const std::vector<Image>& biases,
                             const ReferenceLayer* own) {
     if (images.size() > 1) {
@@ -230,7 +230,7 @@ void warn_of_doubts(const CompareOptions& options, const std::vector<LayeredImag
         warn(options.tests[i], total.tests[i], total.reference.mean);
         if (files[i].find("stderr") && !reference.total.standard_error)
             std::cerr << fmt::format(
-                "warning: {} has the standard error of a reference, but {} has none: the reference stands last\n",
+                "warning: {} has the standard error of a reference, but {} has none: the last file is the reference\n",
                 options.tests[i], options.reference);
     }
 }

@@ -83,8 +83,9 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
-/// How unlike the image is to any multiple of the reference: the median distance of log(image / reference), of each block of
-/// 8 x 8 pixels and each channel, from the median. Values with a 0 in `counts` are left out. Empty for less than 8 numbers.
+/// How unlike the image is to any multiple of the reference: the median distance of log(image / reference), of each
+/// block of 8 x 8 pixels and each channel, from the median. Values with a 0 in `counts` are left out. Empty for less
+/// than 8 numbers.
 std::optional<double> spread_of_ratios(const Image& image, const Image& reference, const std::vector<char>& counts) {
     const Grid grid = Grid::with_edge(reference.width, reference.height, z_block_edge);
     std::vector<double> logs;
@@ -116,9 +117,9 @@ bool is_grey(const Image& image) {
 
 bool Brightness::differs() const { return std::abs(factor - 1) > std::max(0.01, 4 * deviation); }
 
-// A ratio of weighted sums over blocks, whose variance is that of its residuals (Cochran 1977, "Sampling Techniques", section
-// 6.4). Every block has the weight of its mean in the reference, which has much less noise than a pixel: with a weight 1 / r for
-// each pixel, the noise of r would make equal images "too bright".
+// A ratio of weighted sums over blocks, whose variance is that of its residuals (Cochran 1977, "Sampling Techniques",
+// section 6.4). Every block has the weight of its mean in the reference, which has much less noise than a pixel: with a
+// weight 1 / r for each pixel, the noise of r would make equal images "too bright".
 Brightness brightness(const Image& image, const Image& reference, double epsilon) {
     struct Block {
         double image = 0, reference = 0, values = 0;
@@ -147,9 +148,9 @@ Brightness brightness(const Image& image, const Image& reference, double epsilon
     return {factor, std::sqrt(variance) / of_reference};
 }
 
-// Without the curve the spread falls to that of the noise. Over seven scenes and curves of exposures from 1/4 to 16, clipped or
-// not, it fell to 0.01 to 0.3 of what it was, wherever the noise of blocks was small. Of right images it grew, and of images with
-// fog over them (a constant added) it fell to 0.25 at most.
+// Without the curve the spread falls to that of the noise. Over seven scenes and curves of exposures from 1/4 to 16,
+// clipped or not, it fell to 0.01 to 0.3 of what it was, wherever the noise of blocks was small. Of right images it
+// grew, and of images with fog over them (a constant added) it fell to 0.25 at most.
 bool has_srgb_curve(const Image& image, const Image& reference) {
     constexpr double least_contrast = 0.02, most_left = 0.25;
     if (image.non_finite_values() > 0) return false;

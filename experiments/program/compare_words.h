@@ -1,5 +1,6 @@
 #pragma once
-// The differences that a person sees between two images side by side: brightness, orientation, and files that cannot hold radiance.
+// The differences that a person sees between two images side by side: brightness, orientation, and files that cannot
+// hold radiance.
 
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/reference_image.h"
@@ -18,8 +19,8 @@ struct Brightness {
 };
 Brightness brightness(const Image& image, const Image& reference, double epsilon);
 
-/// Whether the values of an image are those of a display: without the sRGB curve, which may have been applied to multiples of the
-/// radiance and clipped at 1, it is four times as like to the reference.
+/// Whether the values of an image are those of a display: without the sRGB curve, which may have been applied to
+/// multiples of the radiance and clipped at 1, it is four times as like to the reference.
 bool has_srgb_curve(const Image& image, const Image& reference);
 
 /// "1.20 times too bright; scaled, 4.02 % are left, within the reference's noise of 4.3 %", and whether the mean of the images
@@ -27,8 +28,8 @@ bool has_srgb_curve(const Image& image, const Image& reference);
 std::string comparison_sentence(const std::vector<Image>& images, const ReferenceLayer& reference,
                                 const Denominators& denominators);
 
-/// The reasons why an image cannot be compared well: 8 bits a channel, clipped values, no colour beside another that has some.
-/// Empty if nothing is wrong.
+/// The reasons why an image cannot be compared well: 8 bits a channel, clipped values, no colour beside another that
+/// has some. Empty if nothing is wrong.
 std::string doubts_about_image(const Image& image, const Image& other);
 
 /// The difference in colours: blue where the image is darker than the reference, red where it is brighter by as much as

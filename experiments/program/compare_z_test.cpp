@@ -174,8 +174,8 @@ ZTestReport z_report(const std::vector<ComparedLayer>& layers) {
     report.text += line("verdict", reason.text);
     if (verdict.differs && !total.x.standard_error)
         report.text += line("",
-                            "(one image cannot tell a difference from noise that pixels share, as photon maps have "
-                            "it: give several seeds)");
+                            "(with one image, noise that pixels share, as photon maps have it, counts as a "
+                            "difference: give several seeds)");
     return report;
 }
 

@@ -11,7 +11,7 @@
 namespace {
 
 /// Prepares the heap for images, which are allocated and freed often: the allocator keeps blocks of up to 4 MiB instead
-/// of returning their pages to the system and faulting them in again, and its first 16 MiB stand on huge pages.
+/// of returning their pages to the system and faulting them in again, and its first 16 MiB use huge pages.
 /// tests/bench/README.md has what this is worth.
 void prepare_heap() {
     constexpr std::size_t reserved = 16 << 20;

@@ -20,7 +20,7 @@ namespace gib {
 
 namespace {
 
-/// A number of a cell in both runs, as contenders, whose scatter is to be told.
+/// A number of a cell in both runs, as contenders.
 struct Pair {
     Change change;
     Contender before, after;
@@ -36,8 +36,8 @@ public:
         return before_.cells().count(method) > 0 && after_.cells().count(method) > 0;
     }
 
-    /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in both
-    /// runs.
+    /// The errors of the methods at equal time, and their times to each error. The scatter is that of all methods in
+    /// both runs.
     std::vector<std::vector<Pair>> all(const std::vector<std::string>& methods) const {
         std::vector<std::vector<Pair>> numbers = {errors(methods, Change::Of::error)};
         for (std::size_t t = 0; t < target_errors.size(); ++t) {
@@ -51,7 +51,7 @@ public:
         return numbers;
     }
 
-    /// The errors of the methods at equal time, or at equal passes where these stand for seconds.
+    /// The errors of the methods at equal time, or at equal passes (with_passes_for_seconds()).
     std::vector<Pair> errors(const std::vector<std::string>& methods, Change::Of of) const {
         std::vector<Pair> errors;
         for (const std::string& method : methods) {
@@ -75,7 +75,7 @@ private:
         const Contender *a = known(method, before), *b = known(method, after);
         if (!a || !b) return;
         pairs.push_back({{.scene = scene_, .method = method, .of = of, .at = at}, *a, *b});
-        // An error that one of the references does not resolve is not above the noise floor of either.
+        // Errors are at least the larger noise floor of both references.
         if (of != Change::Of::seconds) {
             const double floor = std::max(before_.noise_floor(), after_.noise_floor());
             Pair& pair = pairs.back();
@@ -104,7 +104,8 @@ private:
     Contest before_, after_;
 };
 
-/// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is none yet.
+/// Sets the factor, where the interval misses the truth with probability `tail` at most, and the verdict if there is
+/// none yet.
 void judge(Pair& pair, double tail) {
     Change& change = pair.change;
     const double squares = change.of == Change::Of::seconds ? 1 : 2;  // contenders have squared errors
@@ -117,8 +118,9 @@ void judge(Pair& pair, double tail) {
     if (std::isfinite(half))
         change.factor.interval = Interval{std::min(change.factor.value, std::exp(log_factor - half)),
                                           std::max(change.factor.value, std::exp(log_factor + half))};
-    if (change.verdict != ChangeVerdict::cannot_be_told || !change.factor.interval) return;
-    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root, but none at equal passes.
+    if (change.verdict != ChangeVerdict::inconclusive || !change.factor.interval) return;
+    // A machine that is slower by `same_speed` has errors at equal time that are larger by its root, but none at equal
+    // passes.
     const double same = change.of == Change::Of::error_at_passes ? 1 : std::pow(same_speed, 1 / squares);
     if (change.factor.interval->hi < 1 / same) change.verdict = ChangeVerdict::better;
     if (change.factor.interval->lo > same) change.verdict = ChangeVerdict::worse;
@@ -138,21 +140,21 @@ const IndexScene* scene_named(const Analysis& analysis, const std::string& name)
     return found == analysis.index.scenes.end() ? nullptr : &*found;
 }
 
-/// The verdict on seconds of a method that do not compare; `cannot_be_told` of others.
+/// The verdict on seconds of a method that do not compare; `inconclusive` of others.
 ChangeVerdict verdict_on_machines(const Analysis& before, const Analysis& after, const Change& change) {
     const auto machine = [&](const Analysis& run) { return machine_of(run, change.scene, change.method); };
     const auto is_busy = [&](const Analysis& run) {
         return !busy_sign(run, change.method, cells_by_method(run, change.scene).at(change.method)).empty();
     };
     if (machine(before) != machine(after)) return ChangeVerdict::other_machine;
-    return is_busy(before) || is_busy(after) ? ChangeVerdict::busy_machine : ChangeVerdict::cannot_be_told;
+    return is_busy(before) || is_busy(after) ? ChangeVerdict::busy_machine : ChangeVerdict::inconclusive;
 }
 
 /// The errors at equal passes of those methods whose seconds do not compare.
 std::vector<Pair> errors_at_passes(const Analysis& before, const Analysis& after, const std::string& scene,
                                    std::vector<std::string> methods) {
     std::erase_if(methods, [&](const std::string& method) {
-        return verdict_on_machines(before, after, {.scene = scene, .method = method}) == ChangeVerdict::cannot_be_told;
+        return verdict_on_machines(before, after, {.scene = scene, .method = method}) == ChangeVerdict::inconclusive;
     });
     if (methods.empty()) return {};
     const Analysis passes_before = with_passes_for_seconds(before), passes_after = with_passes_for_seconds(after);
@@ -276,7 +278,7 @@ std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict) {
 std::string summary(const RunComparison& comparison) {
     if (comparison.changes.empty()) return "nothing to compare: the runs share no cell with an error\n";
     std::string text;
-    for (const auto verdict : {ChangeVerdict::better, ChangeVerdict::worse, ChangeVerdict::cannot_be_told,
+    for (const auto verdict : {ChangeVerdict::better, ChangeVerdict::worse, ChangeVerdict::inconclusive,
                                ChangeVerdict::busy_machine, ChangeVerdict::other_machine})
         if (const std::size_t count = count_of(comparison, verdict); count > 0 || verdict <= ChangeVerdict::worse)
             text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name_of(verdict));
@@ -287,8 +289,8 @@ std::string summary(const RunComparison& comparison) {
 }  // namespace
 
 const char* name_of(ChangeVerdict verdict) {
-    constexpr const char* names[] = {"better", "worse", "cannot be told", "other machine",
-                                     "cannot be told: the machine was busy"};
+    constexpr const char* names[] = {"better", "worse", "inconclusive", "other machine",
+                                     "inconclusive: the machine was busy"};
     return names[static_cast<std::size_t>(verdict)];
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 // Compares two runs of an experiment cell by cell: has a change of the program made a method better or worse?
 //
-// Errors and times of a cell are compared by their logarithms over the seeds, with the scatter that the methods of a scene tell
-// together (ranking.h). Many numbers are compared, so that each interval is wide enough for all of them to hold together
-// (Bonferroni): of two equal runs, any number is called better or worse in one of twenty comparisons at most. That is as far as
-// seeds tell. The speed of a machine differs from run to run besides, so that a change of time below `same_speed` tells nothing.
+// Errors and times of a cell are compared by their logarithms over the seeds, with the pooled scatter of a scene's
+// methods (ranking.h). All intervals hold together (Bonferroni): at most one in twenty comparisons of equal runs finds
+// a number that is better or worse. The speed of a machine differs between runs, so that a change of time below
+// `same_speed` is inconclusive.
 //
 // `gibench compare-runs`: what has changed between two runs of an experiment.
 
@@ -17,7 +17,7 @@
 
 namespace gib {
 
-enum class ChangeVerdict { better, worse, cannot_be_told, other_machine, busy_machine };
+enum class ChangeVerdict { better, worse, inconclusive, other_machine, busy_machine };
 const char* name_of(ChangeVerdict verdict);
 
 /// The probability that equal runs differ in any number.
@@ -36,10 +36,10 @@ struct Change {
         0;  ///< of an error: the time [s] or the passes after which it is compared; of seconds: the relative RMSE
     double before = 0, after = 0;  ///< relative RMSE or seconds, means over the seeds as table.csv has them
     bool before_is_floor = false, after_is_floor = false;  ///< the error was below the noise floor and is shown as that
-    /// after / before; its interval, of the ratio of geometric means and widened to hold the ratio of these means, holds
-    /// together with those of all other changes.
+    /// after / before; its interval, of the ratio of geometric means and widened to hold the ratio of these means,
+    /// holds together with those of all other changes.
     Estimate factor = {};
-    ChangeVerdict verdict = ChangeVerdict::cannot_be_told;
+    ChangeVerdict verdict = ChangeVerdict::inconclusive;
 };
 
 struct RunComparison {
@@ -49,12 +49,12 @@ struct RunComparison {
     bool has_contradictions = false;  ///< TableRow::contradicted_in of one of the runs
 };
 
-/// Compares the totals of those cells that both runs have. A method whose settings have changed has another label; the labels
-/// that only one of the runs has are one method if their short names are equal, or else if they alone are left of those whose
-/// names begin alike (method_names.h). Errors are compared after the time that the shorter of both runs
-/// took; where a busy machine or another one makes times useless, also after the passes that the shorter of both made. An error
-/// below what one of the references resolves counts as equal to that. Times are compared where all seeds
-/// of both runs have reached an error.
+/// Compares the totals of those cells that both runs have. A method whose settings have changed has another label; the
+/// labels that only one of the runs has are one method if their short names are equal, or else if they alone are left
+/// of those whose names begin alike (method_names.h). Errors are compared after the time that the shorter of both runs
+/// took; where a busy machine or another one makes times useless, also after the passes that the shorter of both made.
+/// An error below the noise floor of a reference counts as that floor. Times are compared where all seeds of both runs
+/// have reached an error.
 RunComparison compare_runs(const Analysis& before, const Analysis& after);
 
 struct CompareRunsOptions {
@@ -63,14 +63,15 @@ struct CompareRunsOptions {
     bool fail_if_worse = false;
 };
 
-/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at` passes) or `seconds` (to the relative RMSE `at`);
-/// `before_is_floor` is `yes` where the error was below the noise floor of a reference, which stands in its place.
+/// The table of --csv. `number` is `error` (relative RMSE after the time `at` [s]), `error_at_passes` (after `at`
+/// passes) or `seconds` (to the relative RMSE `at`);
+/// `before_is_floor` is `yes` where the error was below the noise floor of a reference and is replaced by it.
 CsvTable change_table(const RunComparison& comparison);
 /// The numbers of each cell in words, the remarks, and a summary.
 std::string change_text(const RunComparison& comparison);
 
-/// Prints the changes. Returns 0, or 1 with `fail_if_worse` if a number is worse, a method is biased against its declaration, or nothing is
-/// compared.
+/// Prints the changes. Returns 0, or 1 with `fail_if_worse` if a number is worse, a method is biased against its
+/// declaration, or nothing is compared.
 int compare_runs(const CompareRunsOptions& options, std::ostream& out);
 
 }  // namespace gib

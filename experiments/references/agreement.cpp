@@ -34,18 +34,18 @@ std::vector<ComponentImages> means_of(const std::vector<ComponentImages>& groups
 
 const std::vector<std::string> digested = {"state", "pixels", "passes"};
 
-std::string layer_name(const char* kind, std::size_t maker, std::size_t group, Component c) {
-    return fmt::format("maker{}_{}{:02}_{}", maker, kind, group, name_of(c));
+std::string layer_name(const char* kind, std::size_t method, std::size_t group, Component c) {
+    return fmt::format("maker{}_{}{:02}_{}", method, kind, group, name_of(c));
 }
 
-/// The groups of one kind and maker, each with the components that the file has.
-std::vector<ComponentImages> groups_in(const LayeredImage& file, const char* kind, std::size_t maker) {
+/// The groups of one kind and method, each with the components that the file has.
+std::vector<ComponentImages> groups_in(const LayeredImage& file, const char* kind, std::size_t method) {
     std::vector<ComponentImages> groups;
     for (bool goes_on = true; goes_on;) {
         ComponentImages group;
         goes_on = false;
         for (Component c : all_components)
-            if (const Image* image = file.find(layer_name(kind, maker, groups.size(), c))) {
+            if (const Image* image = file.find(layer_name(kind, method, groups.size(), c))) {
                 group[c] = *image;
                 group.width = image->width;
                 group.height = image->height;
@@ -58,8 +58,6 @@ std::vector<ComponentImages> groups_in(const LayeredImage& file, const char* kin
 
 /// Significance level of one component of one method. An experiment has up to a hundred of them.
 constexpr double contradiction_alpha = 1e-4;
-
-bool contains(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
 
 }  // namespace
 
@@ -97,35 +95,35 @@ std::optional<BlockTest> disagreement(const std::vector<ComponentImages>& a, con
     return significant_difference(component_layer(a, c), component_layer(b, c), alpha, differing, 1);
 }
 
-void MakerAgreement::set_pilot(std::size_t maker, const std::vector<ComponentImages>& groups) {
+void MethodAgreement::set_pilot(std::size_t method, const std::vector<ComponentImages>& groups) {
     pixels_ = Grid::with_edge(groups.front().width, groups.front().height, agreement_edge);
-    pilots_[maker] = means_of(groups);
+    pilots_[method] = means_of(groups);
 }
 
-void MakerAgreement::restart() {
+void MethodAgreement::restart() {
     for (std::size_t m = 0; m < groups_.size(); ++m) {
         groups_[m].clear();
         passes_[m] = 0;
     }
 }
 
-void MakerAgreement::write(const std::string& path, const std::string& state) const {
+void MethodAgreement::write(const std::string& path, const std::string& state) const {
     LayeredImage file;
     file.metadata = {{"state", state},
                      {"pixels", fmt::format("{} {}", pixels_.columns.size, pixels_.rows.size)},
                      {"passes", fmt::format("{}", fmt::join(passes_, " "))}};
-    for (const auto& [kind, makers] : {std::pair("pilot", &pilots_), std::pair("group", &groups_)})
-        for (std::size_t m = 0; m < makers->size(); ++m)
-            for (std::size_t g = 0; g < (*makers)[m].size(); ++g)
+    for (const auto& [kind, methods] : {std::pair("pilot", &pilots_), std::pair("group", &groups_)})
+        for (std::size_t m = 0; m < methods->size(); ++m)
+            for (std::size_t g = 0; g < (*methods)[m].size(); ++g)
                 for (Component c : all_components)
-                    if (const auto& image = (*makers)[m][g][c])
+                    if (const auto& image = (*methods)[m][g][c])
                         file.layers.emplace_back(layer_name(kind, m, g, c), *image);
     if (file.layers.empty()) return;
     file.metadata["digest"] = image_digest(file, digested);
     write_exr(path, file);
 }
 
-void MakerAgreement::read(const std::string& path, const std::string& state) {
+void MethodAgreement::read(const std::string& path, const std::string& state) {
     if (!std::filesystem::exists(path)) return;
     try {
         LayeredImage file = read_image(path);
@@ -136,19 +134,19 @@ void MakerAgreement::read(const std::string& path, const std::string& state) {
         pixels_ = Grid::with_edge(width, height, agreement_edge);
         for (std::size_t m = 0; m < passes_.size(); ++m) {
             passes >> passes_[m];
-            for (const auto& [kind, makers] : {std::pair("pilot", &pilots_), std::pair("group", &groups_)})
-                (*makers)[m] = groups_in(file, kind, m);
+            for (const auto& [kind, methods] : {std::pair("pilot", &pilots_), std::pair("group", &groups_)})
+                (*methods)[m] = groups_in(file, kind, m);
         }
     } catch (const InputError&) {
-        // A damaged file tells nothing, as if it were not there.
+        // A damaged file counts as missing.
     }
 }
 
-void MakerAgreement::add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
+void MethodAgreement::add(std::size_t method, const std::vector<ComponentImages>& groups, std::uint32_t passes) {
     pixels_ = Grid::with_edge(groups.front().width, groups.front().height, agreement_edge);
-    const double share = passes / static_cast<double>(passes_[maker] + passes);
-    passes_[maker] += passes;
-    auto& kept = groups_[maker];
+    const double share = passes / static_cast<double>(passes_[method] + passes);
+    passes_[method] += passes;
+    auto& kept = groups_[method];
     if (kept.empty()) kept.resize(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const ComponentImages means = block_means(groups[g]);
@@ -163,8 +161,8 @@ void MakerAgreement::add(std::size_t maker, const std::vector<ComponentImages>& 
     }
 }
 
-std::vector<Disagreement> MakerAgreement::tested(std::vector<Disagreement> pairs,
-                                                 const std::vector<ComponentImages>* reference) const {
+std::vector<Disagreement> MethodAgreement::tested(std::vector<Disagreement> pairs,
+                                                  const std::vector<ComponentImages>* reference) const {
     const std::vector<ComponentImages> means = reference ? means_of(*reference) : std::vector<ComponentImages>();
     const double alpha = agreement_alpha / static_cast<double>(std::max<std::size_t>(1, pairs.size()));
     std::vector<Disagreement> found;

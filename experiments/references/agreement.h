@@ -1,9 +1,9 @@
 #pragma once
-// Tests whether the makers of a reference agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole image
-// (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
+// Tests whether the reference methods agree, in every component over blocks of 8 x 8 and 64 x 64 pixels and the whole
+// image (z_statistic.h). Only the means over the blocks of 8 x 8 pixels are kept.
 //
-// Evidence that a reference lacks light: an unbiased method finds more of it than the noise of both explains. Less light is no
-// evidence, because a method that has not met rare bright paths yet is too dark and seems to have no noise.
+// Evidence that a reference lacks light: an unbiased method finds more of it than the noise of both explains. Less
+// light is no evidence, because a method that has not met rare bright paths yet is too dark and seems to have no noise.
 
 #include "common/images/image.h"
 #include "experiments/metrics/z_statistic.h"
@@ -17,9 +17,9 @@ namespace gib {
 
 enum class Differing { either_way, brighter };
 
-/// The most significant difference of x from r, among blocks of `edge` and 8 `edge` pixels and the whole, or, with `brighter`,
-/// among those where x is brighter; empty if none is significant. If x and r are equal but for noise, there is one with a
-/// probability of `alpha` at most.
+/// The most significant difference of x from r, among blocks of `edge` and 8 `edge` pixels and the whole, or, with
+/// `brighter`, among those where x is brighter; empty if none is significant. If x and r are equal but for noise, there
+/// is one with a probability of `alpha` at most.
 std::optional<BlockTest> significant_difference(const ReferenceLayer& x, const ReferenceLayer& r, double alpha,
                                                 Differing differing, int edge = z_block_edge);
 
@@ -41,41 +41,42 @@ inline constexpr int agreement_edge = 8;  ///< [pixels]
 Image block_means(const Image& image);
 ComponentImages block_means(const ComponentImages& images);
 
-/// The most significant difference between two sets of groups, which hold block means, about a component; empty if there is
-/// none. Its place is in blocks.
+/// The most significant difference between two sets of groups, which hold block means, about a component; empty if
+/// there is none. Its place is in blocks.
 std::optional<BlockTest> disagreement(const std::vector<ComponentImages>& a, const std::vector<ComponentImages>& b,
                                       Component c, double alpha, Differing differing);
 
-/// A difference in a component between two makers, or between the pilot of one and the finished reference.
+/// A difference in a component between two reference methods, or between the pilot of one and the finished reference.
 struct Disagreement {
     Component component;
-    std::size_t a = 0, b = 0;  ///< the makers; b = a for a pilot
+    std::size_t a = 0, b = 0;  ///< the methods; b = a for a pilot
     BlockTest where;           ///< place in pixels; the deviation is that of a from b, or from the reference
 
-    /// The maker that has found less light.
+    /// The method that has found less light.
     std::size_t lesser() const { return where.deviation < 0 ? a : b; }
     std::size_t greater() const { return where.deviation < 0 ? b : a; }
 };
 
-class MakerAgreement {
+class MethodAgreement {
 public:
-    explicit MakerAgreement(std::size_t makers) : pilots_(makers), groups_(makers), passes_(makers, 0) {}
+    explicit MethodAgreement(std::size_t methods) : pilots_(methods), groups_(methods), passes_(methods, 0) {}
     bool has_pilots() const { return !pilots_.empty() && !pilots_.front().empty(); }
-    /// Keeps the groups of a maker's pilot.
-    void set_pilot(std::size_t maker, const std::vector<ComponentImages>& groups);
-    /// Adds the images of all groups of a maker, each of `passes` passes.
-    void add(std::size_t maker, const std::vector<ComponentImages>& groups, std::uint32_t passes);
+    /// Keeps the groups of a method's pilot.
+    void set_pilot(std::size_t method, const std::vector<ComponentImages>& groups);
+    /// Adds the images of all groups of a method, each of `passes` passes.
+    void add(std::size_t method, const std::vector<ComponentImages>& groups, std::uint32_t passes);
     /// Forgets all images but the pilots'.
     void restart();
-    /// Writes all images to a file beside the reference, and reads them again, so that tests find the same whichever process has
-    /// made which round. `state` is that of the reference; a file of another state, or a damaged one, is not read.
+    /// Writes all images to a file beside the reference, and reads them again, so that tests find the same whichever
+    /// process has made which round. `state` is that of the reference; a file of another state, or a damaged one, is
+    /// not read.
     void write(const std::string& path, const std::string& state) const;
     void read(const std::string& path, const std::string& state);
 
-    /// The disagreements between makers about the components that both sample. `samples(maker, component)` says whether one
-    /// does. All tests together reject makers that agree with a probability of 0.1 % at most.
+    /// The disagreements between methods about the components that both sample (`samples(method, component)`). All
+    /// tests together reject methods that agree with a probability of at most 0.1 %.
     template <typename Samples>
-    std::vector<Disagreement> between_makers(const Samples& samples) const {
+    std::vector<Disagreement> between_methods(const Samples& samples) const {
         std::vector<Disagreement> pairs;
         for (Component c : all_components)
             for (std::size_t a = 0; a < groups_.size(); ++a)
@@ -84,8 +85,8 @@ public:
                         pairs.push_back({c, a, b, {}});
         return tested(std::move(pairs), nullptr);
     }
-    /// The light that pilots have seen and the groups of the finished reference lack, also of makers that cannot sample all of
-    /// a component.
+    /// The light that pilots have found and the groups of the finished reference lack, also of methods that sample a
+    /// component incompletely.
     std::vector<Disagreement> with_pilots(const std::vector<ComponentImages>& reference) const {
         std::vector<Disagreement> pairs;
         for (Component c : all_components)
@@ -98,18 +99,18 @@ private:
     static bool holds(const std::vector<ComponentImages>& groups, Component c) {
         return !groups.empty() && groups.front()[c];
     }
-    /// Those pairs that disagree; with the reference if there is one.
+    /// The pairs that disagree; with the reference if there is one.
     std::vector<Disagreement> tested(std::vector<Disagreement> pairs,
                                      const std::vector<ComponentImages>* reference) const;
 
-    std::vector<std::vector<ComponentImages>> pilots_, groups_;  ///< by maker, the mean of each group over blocks
+    std::vector<std::vector<ComponentImages>> pilots_, groups_;  ///< by method, the mean of each group over blocks
     std::vector<std::uint64_t> passes_;
     Grid pixels_;  ///< the pixels of each block
 };
 
-/// The components of a reference that images of a method contradict: every one that is black there and lit in an image; and every
-/// one of `unbiased_for`, for which the method is unbiased, where it is brighter beyond doubt. Components that the reference does not
-/// resolve anyway are left out. The second kind needs two replicates.
+/// The components of a reference that images of a method contradict: every one that is black there and lit in an image;
+/// and every one of `unbiased_for`, for which the method is unbiased, where it is significantly brighter. Components
+/// that the reference lacks anyway are left out. The second kind needs two replicates.
 std::vector<Contradiction> contradictions(const Reference& reference, const std::vector<ComponentImages>& replicates,
                                           const std::vector<Component>& unbiased_for);
 

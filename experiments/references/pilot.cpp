@@ -19,11 +19,12 @@ constexpr std::uint32_t first_batch = 0x80000000;
 
 }  // namespace
 
-Pilot::Pilot(const std::vector<ReferenceMaker>& makers, const ReferenceGoal& goal, const std::optional<double>& epsilon)
-    : goal_(goal), epsilon_(epsilon), pilots_(makers.size()), outdone_(makers.size(), false) {
-    for (std::size_t m = 0; m < makers.size(); ++m) {
-        names_.push_back(makers[m].name());
-        pilots_[m].unresolved = makers[m].unresolved();
+Pilot::Pilot(const std::vector<ReferenceMethod>& methods, const ReferenceGoal& goal,
+             const std::optional<double>& epsilon)
+    : goal_(goal), epsilon_(epsilon), pilots_(methods.size()), outdone_(methods.size(), false) {
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+        names_.push_back(methods[m].name());
+        pilots_[m].unresolved = methods[m].unresolved();
     }
 }
 
@@ -35,11 +36,11 @@ std::vector<ReferenceBatch> Pilot::next_batches() const {
     return batches;
 }
 
-bool Pilot::add_round(Batches& batches, const std::function<void(const std::string& maker)>& show) {
+bool Pilot::add_round(const MakeBatch& make, const std::function<void(const std::string& method)>& show) {
     const std::vector<ReferenceBatch> wanted = next_batches();
     for (std::size_t m = 0; m < pilots_.size(); ++m) {
         if (outdone_[m]) continue;
-        MakerPilot& pilot = pilots_[m];
+        MethodPilot& pilot = pilots_[m];
         if (round_ == 1) {
             pilot.first_groups = std::move(pilot.groups);
             pilot.first_passes = pilot.passes;
@@ -49,9 +50,9 @@ bool Pilot::add_round(Batches& batches, const std::function<void(const std::stri
         pilot.work = 0;
     }
     for (const ReferenceBatch& batch : wanted) {
-        show(names_[batch.maker]);
-        MadeBatch made = batches.made(batch);
-        MakerPilot& pilot = pilots_[batch.maker];
+        show(names_[batch.method]);
+        MadeBatch made = make(batch);
+        MethodPilot& pilot = pilots_[batch.method];
         pilot.groups.push_back(std::move(made.images));
         pilot.work += made.work;
         costs_.work += made.work;
@@ -64,9 +65,9 @@ bool Pilot::add_round(Batches& batches, const std::function<void(const std::stri
 
 void Pilot::decide_shares() {
     const auto plan_for = [&](double work) { return plan_of_least_variance(names_, pilots_, epsilon_, work); };
-    const MakerPlan plan = plan_for(goal_.target    ? plan_for(0).error2_work / sqr(*goal_.target)
-                                    : goal_.seconds ? costs_.work / costs_.seconds * *goal_.seconds
-                                                    : 0);
+    const ReferencePlan plan = plan_for(goal_.target    ? plan_for(0).error2_work / sqr(*goal_.target)
+                                        : goal_.seconds ? costs_.work / costs_.seconds * *goal_.seconds
+                                                        : 0);
     shares_ = plan.shares;
     for (std::size_t m = 0; m < pilots_.size(); ++m)
         outdone_[m] = outdone_[m] || plan.outdone[m];

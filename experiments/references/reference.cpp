@@ -4,7 +4,6 @@
 #include "common/images/image_file.h"
 #include "common/scene/scene.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/references/batches.h"
 #include "experiments/references/pilot.h"
 #include "experiments/references/rounds.h"
 #include "experiments/references/verdicts.h"
@@ -26,17 +25,24 @@ namespace {
 
 /// Least time between two writes of the file [s]: short rounds are not worth a write each.
 constexpr double save_interval = 15;
+/// Batches that have taken longer than this [s] are kept when Ctrl-C ends their round.
+constexpr double batch_worth_keeping = 5;
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-ReferenceMaker maker_of(const ReferenceWork& work, const MethodDescription& method) {
+ReferenceMethod method_of(const ReferenceWork& work, const MethodDescription& method) {
     return {method, work.label, work.scene, work.label.name == auto_reference};
 }
 
-std::vector<ReferenceMaker> makers_of(const ReferenceWork& work) {
-    std::vector<ReferenceMaker> makers;
+std::vector<ReferenceMethod> methods_of(const ReferenceWork& work) {
+    std::vector<ReferenceMethod> methods;
     for (const MethodDescription* method : work.methods)
-        makers.push_back(maker_of(work, *method));
-    return makers;
+        methods.push_back(method_of(work, *method));
+    return methods;
+}
+
+MadeBatch made_batch(const ReferenceMethod& method, const std::string& key, const ReferenceBatch& batch) {
+    return method.make(batch_seed(key, batch.number, batch.method), batch.passes, batch.passes_before,
+                       [] { InterruptGuard::check(); });
 }
 
 /// One reference on its way from its file, if there is one, to its goal and back.
@@ -46,15 +52,15 @@ public:
         : work_(work),
           progress_(progress),
           key_(reference_key(work.scene.content_hash, work.label, work.seed)),
-          makers_(makers_of(work)),
-          batches_(makers_, key_, work.path, work.most_own_work.has_value()),
-          rounds_(makers_, work.goal, work.epsilon),
-          verdicts_(makers_) {}
+          methods_(methods_of(work)),
+          batches_(work.path),
+          rounds_(methods_, work.goal, work.epsilon),
+          verdicts_(methods_) {}
 
     FinishedReference finished() {
         open();
         // The shares decide how many passes are enough, so that they are read before that is asked.
-        const bool has_shares = makers_.size() == 1 || take_stored_shares();
+        const bool has_shares = methods_.size() == 1 || take_stored_shares();
         bool done = good_enough();
         if (!done && !has_shares && !run_pilot()) return unfinished();
         while (!done) {
@@ -87,9 +93,9 @@ private:
             rounds_.groups = ReferenceGroups::read(work_.path, key_, sensor.width(), sensor.height());
             const auto metadata = exr_attributes(work_.path).value();
             stored_shares_ = attribute_in(metadata, "makers");
-            for (const ReferenceMaker& maker : makers_)
-                if (maker.makes_remainder() && stored_shares_.find(maker.name()) == std::string::npos)
-                    throw InputError({work_.path}, "it lacks what '" + maker.name() + "' makes");
+            for (const ReferenceMethod& method : methods_)
+                if (method.makes_remainder() && stored_shares_.find(method.name()) == std::string::npos)
+                    throw InputError({work_.path}, "it lacks what '" + method.name() + "' makes");
             const auto names = metadata.find("unresolved");
             verdicts_.read(agreement_file(), agreement_state(), names == metadata.end() ? nullptr : &names->second);
         } catch (const std::exception& error) {  // any exception, because a damaged file can contain anything
@@ -119,6 +125,19 @@ private:
                 100 * rounds_.error().value(), 100 * rounds_.error().up_to(2), duration_text(rounds_.groups.seconds),
                 100 * *target));
         return true;
+    }
+
+    /// The batch from the folder, or a new one. New ones are kept there for other processes, or if they have taken
+    /// long.
+    MadeBatch made(const ReferenceBatch& batch) {
+        std::optional<MadeBatch> made = batches_.read(batch);
+        if (!made) {
+            made = made_batch(methods_[batch.method], key_, batch);
+            if (!work_.most_own_work && made->seconds <= batch_worth_keeping) return *std::move(made);
+            batches_.write(batch, *made);
+        }
+        used_.push_back(batch);
+        return *std::move(made);
     }
 
     /// Whether this process may make those of the batches that are not there. If not, result_.missing has those of
@@ -153,10 +172,10 @@ private:
         return reference;
     }
 
-    /// The shares of an earlier session, whose images the stored groups hold. Makers that the program did not have then, the last
+    /// The shares of an earlier session, whose images the stored groups hold. Methods that are new since then, the last
     /// ones, take no part.
     bool take_stored_shares() {
-        std::vector<MakerShare> stored = shares_in(stored_shares_);
+        std::vector<MethodShare> stored = shares_in(stored_shares_);
         if (stored.empty() || stored.size() > rounds_.shares.size()) return false;
         for (std::size_t m = 0; m < rounds_.shares.size(); ++m) {
             if (m == stored.size()) stored.push_back({rounds_.shares[m].method, 0, {}});
@@ -166,16 +185,17 @@ private:
         return true;
     }
 
-    /// Measures the makers and decides their shares. Returns false if others have to make the pilot's batches.
+    /// Measures the methods and decides their shares. Returns false if other processes have to make the pilot's
+    /// batches.
     bool run_pilot() {
-        Pilot pilot(makers_, work_.goal, work_.epsilon);
-        const auto show = [&](const std::string& maker) {
-            progress_.update(0, std::nullopt, fmt::format("reference of {}: trying {}", work_.scene.name, maker));
+        Pilot pilot(methods_, work_.goal, work_.epsilon);
+        const auto show = [&](const std::string& method) {
+            progress_.update(0, std::nullopt, fmt::format("reference of {}: trying {}", work_.scene.name, method));
         };
         for (bool goes_on = true; goes_on;) {
             const auto batches = pilot.next_batches();
             if (!may_make(batches, batches)) return false;
-            goes_on = pilot.add_round(batches_, show);
+            goes_on = pilot.add_round([&](const ReferenceBatch& batch) { return made(batch); }, show);
             rounds_.shares = pilot.shares();
             rounds_.pilot = pilot.costs();
         }
@@ -187,7 +207,8 @@ private:
 
     void add_round() {
         const std::uint32_t passes = rounds_.next_passes();
-        const RoundImages images = rounds_.add(batches_, [&](double of_round) { show(of_round); });
+        const RoundImages images = rounds_.add([&](const ReferenceBatch& batch) { return made(batch); },
+                                               [&](double of_round) { show(of_round); });
         verdicts_.keep_round(images, rounds_.shares, passes);
         ++result_.rounds_added;
         unsaved_ = true;
@@ -208,13 +229,15 @@ private:
 
     void save() {
         write_reference(work_.path, stored());
-        if (makers_.size() > 1) verdicts_.write(agreement_file(), agreement_state());
-        batches_.remove_used();
+        if (methods_.size() > 1) verdicts_.write(agreement_file(), agreement_state());
+        for (const ReferenceBatch& batch : used_)
+            batches_.remove(batch);
+        used_.clear();
         saved_at_ = now();
         unsaved_ = false;
     }
 
-    /// The file of what MakerAgreement keeps, beside the reference.
+    /// The file of what MethodAgreement keeps, beside the reference.
     std::string agreement_file() const { return work_.path + ".makers.exr"; }
     std::string agreement_state() const {
         return fmt::format("{} {} {}", key_, rounds_.groups.rounds, rounds_.groups.passes);
@@ -237,7 +260,7 @@ private:
             {"brightest_light", fmt::format("{}", brightest_radiance(work_.scene.scene->lights()))},
             {"program", program_version()}};
         metadata.merge(scene_attributes(work_.scene));
-        if (makers_.size() > 1) metadata["makers"] = text_of(rounds_.shares);
+        if (methods_.size() > 1) metadata["makers"] = text_of(rounds_.shares);
         if (rounds_.groups.dropped.count > 0) {
             metadata["not_finite"] = std::to_string(rounds_.groups.dropped.count);
             metadata["first_not_finite"] = rounds_.groups.dropped.first;
@@ -248,8 +271,9 @@ private:
     const ReferenceWork& work_;
     ProgressLine& progress_;
     std::string key_;
-    std::vector<ReferenceMaker> makers_;
-    Batches batches_;
+    std::vector<ReferenceMethod> methods_;
+    BatchFolder batches_;
+    std::vector<ReferenceBatch> used_;  ///< of the folder; the reference's file will hold their rounds
     Rounds rounds_;
     Verdicts verdicts_;
     std::string stored_shares_;
@@ -288,10 +312,10 @@ FinishedReference make_reference(const ReferenceWork& work, ProgressLine& progre
 }
 
 void make_batch(const ReferenceWork& work, const ReferenceBatch& batch) {
-    const BatchFolder folder = batch_folder_of(work.path);
+    const BatchFolder folder(work.path);
     if (folder.read(batch)) return;
-    const ReferenceMaker maker = maker_of(work, *work.methods.at(batch.maker));
-    folder.write(batch, made_batch(maker, reference_key(work.scene.content_hash, work.label, work.seed), batch));
+    const ReferenceMethod method = method_of(work, *work.methods.at(batch.method));
+    folder.write(batch, made_batch(method, reference_key(work.scene.content_hash, work.label, work.seed), batch));
 }
 
 std::string stored_reference_identity(const std::string& path) {

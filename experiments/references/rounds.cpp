@@ -16,10 +16,10 @@ constexpr double stopping_margin = 1;
 
 }  // namespace
 
-Rounds::Rounds(const std::vector<ReferenceMaker>& makers, const ReferenceGoal& goal, std::optional<double> epsilon)
+Rounds::Rounds(const std::vector<ReferenceMethod>& methods, const ReferenceGoal& goal, std::optional<double> epsilon)
     : goal_(goal), epsilon_(epsilon), schedule_(goal) {
-    for (const ReferenceMaker& maker : makers) {
-        shares.push_back({maker.name(), 1, {}});
+    for (const ReferenceMethod& method : methods) {
+        shares.push_back({method.name(), 1, {}});
         shares.back().weights.fill(1);
     }
 }
@@ -62,31 +62,31 @@ std::pair<double, double> Rounds::progress(double passes_of_round) const {
     return {fraction, left};
 }
 
-RoundImages Rounds::add(Batches& batches, const std::function<void(double passes)>& show) {
+RoundImages Rounds::add(const MakeBatch& make, const std::function<void(double passes)>& show) {
     const std::uint32_t passes = next_passes();
     const bool is_shared = shares.size() > 1;
-    RoundImages by_maker(shares.size());
+    RoundImages by_method(shares.size());
     DroppedSamples dropped = groups.dropped;
     double seconds = 0, work = 0;
-    std::vector<ComponentImages> round, group(shares.size());  // images of one group, by maker
+    std::vector<ComponentImages> round, group(shares.size());  // images of one group, by method
     const std::vector<ReferenceBatch> all = next_batches();
     for (std::size_t i = 0; i < all.size(); ++i) {
         show(static_cast<double>(i) / static_cast<double>(all.size()) * passes);
-        MadeBatch batch = batches.made(all[i]);
-        group[all[i].maker] = std::move(batch.images);
+        MadeBatch batch = make(all[i]);
+        group[all[i].method] = std::move(batch.images);
         dropped.add(batch.dropped);
         seconds += batch.seconds;
         work += batch.work;
         if (i + 1 < all.size() && all[i + 1].number == all[i].number) continue;
         round.push_back(is_shared ? combined(shares, group) : group.front());
         for (std::size_t m = 0; is_shared && m < shares.size(); ++m)
-            if (shares[m].passes > 0) by_maker[m].push_back(std::move(group[m]));
+            if (shares[m].passes > 0) by_method[m].push_back(std::move(group[m]));
     }
     groups.add_round(round, passes);
     groups.dropped = dropped;
     groups.seconds += seconds;
     groups.work += work;
-    return by_maker;
+    return by_method;
 }
 
 void Rounds::restart() {

@@ -2,7 +2,6 @@
 // The rounds of a reference: each adds one batch of equal length to every group. Knows the error so far, and by it how
 // many passes come next (schedule.h) and whether the goal is met.
 
-#include "experiments/references/batches.h"
 #include "experiments/references/pilot.h"
 #include "experiments/references/schedule.h"
 
@@ -25,21 +24,21 @@ struct ReferenceError {
     double value() const { return std::sqrt(square); }
 };
 
-/// The images of a round by maker: the groups of each, for tests of whether the makers agree.
+/// The images of a round by method and group, for tests of whether the methods agree.
 using RoundImages = std::vector<std::vector<ComponentImages>>;
 
 class Rounds {
 public:
-    Rounds(const std::vector<ReferenceMaker>& makers, const ReferenceGoal& goal, std::optional<double> epsilon);
+    Rounds(const std::vector<ReferenceMethod>& methods, const ReferenceGoal& goal, std::optional<double> epsilon);
 
     ReferenceGroups groups;
-    std::vector<MakerShare> shares;  ///< by maker; all alike until a pilot has decided
-    PilotCosts pilot;                ///< of a pilot of this session
+    std::vector<MethodShare> shares;  ///< by method; all equal until a pilot has decided
+    PilotCosts pilot;                 ///< of a pilot of this session
 
     /// Estimates the reference and its error from the groups.
     void estimate();
     const Reference& reference() const { return reference_; }
-    /// That of the error [radiance^2].
+    /// The epsilon of the error [radiance^2].
     double epsilon() const { return used_epsilon_; }
     const ReferenceError& error() const { return error_; }
 
@@ -54,9 +53,9 @@ public:
     /// The share of the reference that is done while a round is made, and the seconds that are left; infinite: unknown.
     std::pair<double, double> progress(double passes_of_round) const;
 
-    /// Makes the next round; an interrupted one does not count. `show` receives the passes of the round that are done.
-    /// Returns the makers' images if there are several.
-    RoundImages add(Batches& batches, const std::function<void(double passes)>& show);
+    /// Makes the next round with `make`; an interrupted one does not count. `show` receives the passes of the round
+    /// that are done. Returns the images by method if there are several methods.
+    RoundImages add(const MakeBatch& make, const std::function<void(double passes)>& show);
     /// Gives up all rounds. The next ones have new seeds.
     void restart();
 

@@ -17,25 +17,25 @@ constexpr double longest_round = 1e8, longest_share = 1.0 / 8;
 /// estimated error is too small; stopping at its first small value would favour exactly those moments.
 constexpr std::uint32_t fewest_passes = 8;
 constexpr int most_rounds_ahead = 16;
-/// The first round takes this share of the work that the pilot foresees, and of the time limit. Sobol' points are the better the
-/// more of them a batch has.
+/// The first round takes this share of the work that the pilot foresees, and of the time limit. Sobol' points are the
+/// better the more of them a batch has.
 constexpr double first_share = 1.0 / 3;
 
-/// The number of units in which some maker makes fewest_passes.
-std::uint64_t fewest_units(const std::vector<MakerShare>& shares) {
+/// The number of units in which some method makes fewest_passes.
+std::uint64_t fewest_units(const std::vector<MethodShare>& shares) {
     std::uint32_t most = 1;
-    for (const MakerShare& share : shares)
+    for (const MethodShare& share : shares)
         most = std::max(most, share.passes);
     return (fewest_passes + most - 1) / most;
 }
 
 }  // namespace
 
-bool ReferenceSchedule::reaches_target(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
+bool ReferenceSchedule::reaches_target(const ReferenceState& state, const std::vector<MethodShare>& shares) const {
     return goal_.target && state.error <= *goal_.target && state.passes >= fewest_units(shares);
 }
 
-double ReferenceSchedule::passes_needed(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
+double ReferenceSchedule::passes_needed(const ReferenceState& state, const std::vector<MethodShare>& shares) const {
     const double ratio = state.error / *goal_.target;
     const auto done = static_cast<double>(state.passes);
     return std::max({1.0, done * (ratio * ratio - 1), static_cast<double>(fewest_units(shares)) - done});
@@ -50,7 +50,8 @@ std::uint32_t ReferenceSchedule::first_passes(const ReferenceState& state) const
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(work / state.unit_work, 1.0, 1e9)));
 }
 
-std::uint32_t ReferenceSchedule::next_passes(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
+std::uint32_t ReferenceSchedule::next_passes(const ReferenceState& state,
+                                             const std::vector<MethodShare>& shares) const {
     if (state.passes == 0) return first_passes(state);
     const auto done = static_cast<double>(state.passes);
     double passes = done;
@@ -63,7 +64,7 @@ std::uint32_t ReferenceSchedule::next_passes(const ReferenceState& state, const 
 }
 
 std::vector<ReferenceBatch> ReferenceSchedule::next_batches(const ReferenceState& state,
-                                                            const std::vector<MakerShare>& shares) const {
+                                                            const std::vector<MethodShare>& shares) const {
     const std::uint32_t passes = next_passes(state, shares);
     std::vector<ReferenceBatch> batches;
     for (std::uint32_t g = 0; g < reference_groups; ++g)
@@ -74,7 +75,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::next_batches(const ReferenceState
 }
 
 std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState state,
-                                                             const std::vector<MakerShare>& shares) const {
+                                                             const std::vector<MethodShare>& shares) const {
     const bool first = state.passes == 0;
     if (first) state.error = infinity;
     std::vector<ReferenceBatch> batches;
@@ -96,7 +97,7 @@ std::vector<ReferenceBatch> ReferenceSchedule::batches_ahead(ReferenceState stat
     return batches;
 }
 
-double ReferenceSchedule::work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const {
+double ReferenceSchedule::work_left(const ReferenceState& state, const std::vector<MethodShare>& shares) const {
     if (state.passes == 0) return state.pilot_work > 0 ? std::max(state.pilot_work, state.foreseen_work) : infinity;
     double share = infinity;  // work left, as a multiple of the work so far
     if (goal_.target) share = passes_needed(state, shares) / static_cast<double>(state.passes);

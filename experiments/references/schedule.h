@@ -1,9 +1,10 @@
 #pragma once
 // How many passes the rounds of a reference have, and what is left to do. Where a target ends the reference, these
-// numbers follow from its error and from counts of rays alone, never from time, so that they are the same on every machine.
+// numbers follow from its error and from counts of rays alone, never from time, so that they are the same on every
+// machine.
 
 #include "experiments/plan/experiment_file.h"
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 #include "experiments/references/store.h"
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace gib {
 /// The state of a reference between two rounds.
 struct ReferenceState {
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
+    std::uint64_t passes = 0;  ///< number of units in each group (MethodShare); of passes if there is one method
     double error = 0;    ///< relative standard error that is to fall to the target; unknown before the first round
     double work = 0;     ///< work of all rounds (MadeBatch::work); 0: unknown
     double seconds = 0;  ///< time of all rounds and the pilot
@@ -29,18 +30,18 @@ public:
     explicit ReferenceSchedule(const ReferenceGoal& goal) : goal_(goal) {}
 
     /// Whether the target is reached. No target counts as reached before each group has a few passes.
-    bool reaches_target(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    bool reaches_target(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The number of passes that the target still needs; there must be one. The error falls with the square root of the
     /// number of passes.
-    double passes_needed(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    double passes_needed(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The passes of the next round.
-    std::uint32_t next_passes(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    std::uint32_t next_passes(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The batches of the next round, by groups.
-    std::vector<ReferenceBatch> next_batches(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    std::vector<ReferenceBatch> next_batches(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The batches of all rounds up to the goal, as far as they can be foreseen, of 16 rounds at most.
-    std::vector<ReferenceBatch> batches_ahead(ReferenceState state, const std::vector<MakerShare>& shares) const;
+    std::vector<ReferenceBatch> batches_ahead(ReferenceState state, const std::vector<MethodShare>& shares) const;
     /// The work up to the goal, or, before the first round, of the first few rounds; infinite if it is unknown.
-    double work_left(const ReferenceState& state, const std::vector<MakerShare>& shares) const;
+    double work_left(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
 
 private:
     /// The passes of the first round.

@@ -127,7 +127,7 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
 }
 
 std::string BatchFolder::file_of(const ReferenceBatch& batch) const {
-    return fmt::format("{}/maker{}-batch{}-passes{}-after{}.exr", path_, batch.maker, batch.number, batch.passes,
+    return fmt::format("{}/maker{}-batch{}-passes{}-after{}.exr", path_, batch.method, batch.number, batch.passes,
                        batch.passes_before);
 }
 
@@ -172,9 +172,9 @@ void BatchFolder::remove_all() const {
     fs::remove_all(path_, ignored);
 }
 
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker) {
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t method) {
     const std::uint64_t base = std::stoull(key.substr(0, 16), nullptr, 16);
-    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{maker} << 32 | batch);
+    return 0x8000000000000000ull | combine_keys(base, std::uint64_t{method} << 32 | batch);
 }
 
 Reference read_reference_of(const std::string& path, int width, int height,

@@ -1,11 +1,12 @@
 #pragma once
-// The files of references: the groups that rounds add to, the batches that a round is made of, and images that were made
-// elsewhere.
+// The files of references: the groups that rounds add to, the batches that a round is made of, and images that were
+// made elsewhere.
 
 #include "common/images/image.h"
 #include "experiments/metrics/reference_image.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ struct DroppedSamples {
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MakerShare); of passes if there is one maker
+    std::uint64_t passes = 0;  ///< number of units in each group (MethodShare); of passes if there is one method
     double seconds = 0;        ///< wall-clock, all rounds and the pilot together
     double work = 0;           ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
@@ -54,16 +55,16 @@ private:
 };
 
 struct ReferenceBatch {
-    std::uint32_t maker = 0;          ///< its place among the makers of the reference
+    std::uint32_t method = 0;         ///< place of its method among those of the reference
     std::uint32_t number = 0;         ///< decides the seed (batch_seed())
     std::uint32_t passes = 1;         ///< passes that it makes
-    std::uint64_t passes_before = 0;  ///< passes of this maker in the group before; merging methods go on from there
+    std::uint64_t passes_before = 0;  ///< earlier passes of this method in the group; merging methods go on from there
 
     friend bool operator==(const ReferenceBatch&, const ReferenceBatch&) = default;
 };
 
-/// The seed of a maker's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
-std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t maker = 0);
+/// The seed of a method's batch. Its top bit is set, so that it differs from all seeds of cells, which count from 1.
+std::uint64_t batch_seed(const std::string& key, std::uint32_t batch, std::uint32_t method = 0);
 
 /// The mean image of a batch and what it took to make it.
 struct MadeBatch {
@@ -73,9 +74,13 @@ struct MadeBatch {
     double seconds = 0;  ///< wall-clock
 };
 
+/// Makes a batch, or takes it from where it is stored.
+using MakeBatch = std::function<MadeBatch(const ReferenceBatch&)>;
+
+/// The folder of the batches of the reference at `path`, where other processes may leave them.
 class BatchFolder {
 public:
-    explicit BatchFolder(std::string path) : path_(std::move(path)) {}
+    explicit BatchFolder(const std::string& path) : path_(path + ".batches") {}
 
     bool has(const ReferenceBatch& batch) const;
     /// Empty if there is no such batch, or if its file is damaged.
@@ -92,8 +97,8 @@ private:
     std::string path_;
 };
 
-/// Reads an image as the reference of a scene whose images have this size [pixels]; `scene`: its scene_attributes(). Throws
-/// InputError if it is missing or damaged, has another size, or says that it shows another scene.
+/// Reads an image as the reference of a scene whose images have this size [pixels]; `scene`: its scene_attributes().
+/// Throws InputError if it is missing or damaged, has another size, or says that it shows another scene.
 Reference read_reference_of(const std::string& path, int width, int height,
                             const std::map<std::string, std::string>& scene);
 
@@ -103,12 +108,14 @@ struct GivenReference {
     std::vector<std::string> notes;  ///< remarks that tables have to make about it
 };
 
-/// The same for a run, from one image or from several replicates, whose scatter gives the standard error. Without a standard error (layer `stderr`, or groups) its noise floor is unknown, which a note says.
-/// Throws InputError also if the image is black or has values that are not finite.
+/// A reference for a run, from one image or from several replicates, whose scatter gives the standard error. A note
+/// says if the standard error is unknown (no layer `stderr`, no groups). Throws InputError also if the image is black
+/// or has values that are not finite.
 GivenReference given_reference(const std::vector<std::string>& paths, int width, int height,
                                const std::map<std::string, std::string>& scene);
 
-/// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is written.
+/// Throws InputError unless memory can hold what is alive while the file of a reference of this size [pixels] is
+/// written.
 void require_memory_for_reference(int width, int height);
 
 }  // namespace gib

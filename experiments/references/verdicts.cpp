@@ -20,20 +20,17 @@ constexpr double heavy_tail_share = 0.5;
 /// from the one that is free of it by this factor.
 constexpr double skewed_by = 1.25;
 
-bool holds(const std::vector<Component>& components, Component c) {
-    return std::ranges::find(components, c) != components.end();
-}
-
 /// Remarks on the standard error of a reference.
 std::vector<std::string> warnings_of_noise(const Rounds& rounds) {
     std::vector<std::string> warnings;
     const ReferenceError& error = rounds.error();
     const double skew = error.plain > 0 ? error.value() / error.plain : 1;
     if (skew > skewed_by || skew < 1 / skewed_by)
-        warnings.push_back(fmt::format(
-            "the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %, though it would seem to be "
-            "{:.3g} % with its own noise in the denominator",
-            100 * error.value(), 100 * error.up_to(2), 100 * error.plain));
+        warnings.push_back(
+            fmt::format("the reference's noise is skewed: its error is {:.3g} %, up to {:.3g} %; with its own noise in "
+                        "the denominator "
+                        "it would be {:.3g} %",
+                        100 * error.value(), 100 * error.up_to(2), 100 * error.plain));
     const double share = dominance_of_one_group(rounds.reference().total.groups);
     if (share > heavy_tail_share)
         warnings.push_back(
@@ -45,10 +42,10 @@ std::vector<std::string> warnings_of_noise(const Rounds& rounds) {
 
 }  // namespace
 
-Verdicts::Verdicts(const std::vector<ReferenceMaker>& makers)
-    : makers_(makers), unresolved_(all_components.begin(), all_components.end()), agreement_(makers.size()) {
-    for (const ReferenceMaker& maker : makers)
-        std::erase_if(unresolved_, [&](Component c) { return !holds(maker.unresolved(), c); });
+Verdicts::Verdicts(const std::vector<ReferenceMethod>& methods)
+    : methods_(methods), unresolved_(all_components.begin(), all_components.end()), agreement_(methods.size()) {
+    for (const ReferenceMethod& method : methods)
+        std::erase_if(unresolved_, [&](Component c) { return !contains(method.unresolved(), c); });
 }
 
 void Verdicts::read(const std::string& file, const std::string& state, const std::string* unresolved) {
@@ -57,27 +54,27 @@ void Verdicts::read(const std::string& file, const std::string& state, const std
 }
 
 void Verdicts::keep_pilot(const Pilot& pilot) {
-    for (std::size_t m = 0; m < makers_.size(); ++m)
+    for (std::size_t m = 0; m < methods_.size(); ++m)
         agreement_.set_pilot(m, pilot.groups_of(m));
 }
 
-void Verdicts::keep_round(const RoundImages& images, const std::vector<MakerShare>& shares, std::uint32_t passes) {
-    for (std::size_t m = 0; m < makers_.size(); ++m)
+void Verdicts::keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t passes) {
+    for (std::size_t m = 0; m < methods_.size(); ++m)
         if (!images[m].empty()) agreement_.add(m, images[m], passes * shares[m].passes);
 }
 
-bool Verdicts::leaves_out_lacking(std::vector<MakerShare>& shares) {
+bool Verdicts::leaves_out_lacking(std::vector<MethodShare>& shares) {
     const auto samples = [&](std::size_t m, Component c) {
-        return !holds(makers_[m].unresolved(), c) && !lacks_.count({m, c});
+        return !contains(methods_[m].unresolved(), c) && !lacks_.count({m, c});
     };
-    const std::vector<Disagreement> all = agreement_.between_makers(samples);
+    const std::vector<Disagreement> all = agreement_.between_methods(samples);
     const auto found = std::ranges::find_if(
         all, [&](const Disagreement& one) { return shares[one.lesser()].weight(one.component) > 0; });
     if (found == all.end()) return false;
     const Component c = found->component;
     lacks_.emplace(found->lesser(), c);
     leave_to_others(shares, c, found->lesser(), found->greater());
-    lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it made none of it",
+    lacking_.push_back(fmt::format("'{}' lacks light of {} that '{}' has found: {}; it was not used for that light",
                                    shares[found->lesser()].method, name_of(c), shares[found->greater()].method,
                                    text_of(found->where)));
     agreement_.restart();
@@ -87,8 +84,8 @@ bool Verdicts::leaves_out_lacking(std::vector<MakerShare>& shares) {
 bool Verdicts::compare_with_pilots(const Rounds& rounds) {
     const auto all = agreement_.with_pilots(rounds.groups.groups());
     for (const Disagreement& found : all) {
-        if (!holds(unresolved_, found.component)) unresolved_.push_back(found.component);
-        lacking_.push_back(fmt::format("'{}' has seen light of {} that the reference lacks: {}; left out of judgement",
+        if (!contains(unresolved_, found.component)) unresolved_.push_back(found.component);
+        lacking_.push_back(fmt::format("'{}' has found light of {} that the reference lacks: {}; no verdict on it",
                                        rounds.shares[found.a].method, name_of(found.component), text_of(found.where)));
     }
     return !all.empty();
@@ -102,8 +99,7 @@ std::vector<std::string> Verdicts::warnings(const Rounds& rounds, const MethodLa
     for (Component c : unresolved_)
         names.push_back(name_of(c));
     if (!names.empty())
-        all.push_back(fmt::format("'{}' has not found all light of: {}; left out of judgement", label.text(),
-                                  fmt::join(names, ", ")));
+        all.push_back(fmt::format("not sampled by '{}': {}; no verdict on it", label.text(), fmt::join(names, ", ")));
     const ReferenceLayer& total = rounds.reference().total;
     if (!total.bias.empty())
         all.push_back(

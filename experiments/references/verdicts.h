@@ -1,10 +1,10 @@
 #pragma once
-// The doubts about a reference: makers that lack light, components that no maker can sample or that a pilot
-// contradicts, and noise whose size is uncertain.
+// The doubts about a reference: methods that lack light, components that no method samples or that a pilot contradicts,
+// and noise of uncertain size.
 
 #include "experiments/references/agreement.h"
-#include "experiments/references/makers.h"
 #include "experiments/references/pilot.h"
+#include "experiments/references/reference_methods.h"
 #include "experiments/references/rounds.h"
 
 #include <cstdint>
@@ -17,26 +17,24 @@ namespace gib {
 
 class Verdicts {
 public:
-    explicit Verdicts(const std::vector<ReferenceMaker>& makers);
+    explicit Verdicts(const std::vector<ReferenceMethod>& methods);
 
-    /// The components that the reference does not resolve.
+    /// The components that the reference lacks or in which it is contradicted.
     const std::vector<Component>& unresolved() const { return unresolved_; }
 
-    /// Goes on from the tests of an earlier session (MakerAgreement::read()). `unresolved`: the stored reference's,
-    /// which count where the pilots' images are lost, so that doubts cannot be tested again; null: it has none.
+    /// Goes on from the tests of an earlier session (MethodAgreement::read()). `unresolved`: the stored reference's
+    /// components, used if the pilots' images are lost; null: it has none.
     void read(const std::string& file, const std::string& state, const std::string* unresolved);
     void write(const std::string& file, const std::string& state) const { agreement_.write(file, state); }
     void keep_pilot(const Pilot& pilot);
     /// Keeps the images of a round that had `passes` units in each group.
-    void keep_round(const RoundImages& images, const std::vector<MakerShare>& shares, std::uint32_t passes);
+    void keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t passes);
 
-    /// If two makers disagree about a component, the one that has found less light lacks some. If it makes the
-    /// component, it makes no more of it: returns true, and `shares` have changed. The reference has to begin again
-    /// with new seeds then, so that weights do not depend on the images that they weigh. The maker that is left is
-    /// compared with the pilots at the end.
-    bool leaves_out_lacking(std::vector<MakerShare>& shares);
-    /// Leaves the components unresolved about which a pilot and the finished reference disagree. Returns whether there
-    /// are any.
+    /// If two methods disagree about a component, the one with less light is removed from it: returns true, and
+    /// `shares` have changed. The reference has to begin again with new seeds, so that weights do not depend on the
+    /// images that they weigh.
+    bool leaves_out_lacking(std::vector<MethodShare>& shares);
+    /// Removes the components about which a pilot and the finished reference disagree. Returns whether there are any.
     bool compare_with_pilots(const Rounds& rounds);
 
     /// The remarks on the finished reference, made by a label whose first method is `method`.
@@ -44,11 +42,11 @@ public:
                                       const MethodDescription& method) const;
 
 private:
-    const std::vector<ReferenceMaker>& makers_;
+    const std::vector<ReferenceMethod>& methods_;
     std::vector<Component> unresolved_;
-    MakerAgreement agreement_;
-    std::vector<std::string> lacking_;                   ///< what makers or pilots disagree about
-    std::set<std::pair<std::size_t, Component>> lacks_;  ///< the components that makers lack light of
+    MethodAgreement agreement_;
+    std::vector<std::string> lacking_;                   ///< disagreements of methods or pilots
+    std::set<std::pair<std::size_t, Component>> lacks_;  ///< components in which methods lack light
 };
 
 }  // namespace gib

@@ -66,11 +66,11 @@ const std::vector<RowColumn>& row_columns() {
     static const std::vector<RowColumn> columns = {
         {"scene", "", "the scene file's name without folder and ending", [](RowRef r) { return r.scene; }},
         {"method", "", "label: the method with its settings", [](RowRef r) { return r.method; }},
-        {"component", "", "class of light paths, or `total`, the sum of those that the reference resolves",
+        {"component", "", "class of light paths, or `total`, the sum of all that the reference samples",
          [](RowRef r) { return std::string(name_of(r.layer)); }},
         {"label", "",
-         "name of the method in `table.md`, the report and figures: the key `label` of the experiment file, else "
-         "the method, with the settings that vary",
+         "name of the method in `table.md`, the report and figures: the key `label` or the method, with the settings "
+         "that vary",
          [](RowRef r) { return r.name; }},
         {"external", "", "`yes`: an image of another renderer",
          [](RowRef r) { return std::string(r.is_external ? "yes" : ""); }},
@@ -79,46 +79,48 @@ const std::vector<RowColumn>& row_columns() {
         {"seconds", "s", "charged wall-clock time of the final images, mean over the seeds", of<&TableRow::seconds>},
 
         {"rel_mse", "",
-         "mean((x - r)^2 / (r^2 + epsilon)) over pixels and channels, by the plain formula: the square of a relative "
-         "RMSE. Components are divided by the r^2 + epsilon of the total",
+         "mean((x - r)^2 / (r^2 + epsilon)) over pixels and channels: the square of a relative RMSE that includes the "
+         "reference's own variance. Components are divided by the r^2 + epsilon of the total",
          of<statistics, &S::rel_mse>, 95},
         {"rel_mse_corrected", "",
-         "`rel_mse` with the reference's own variance subtracted, as in `table.md`; the ends of its interval are "
-         "those of `rel_mse` less the same",
+         "`rel_mse` with the reference's own variance subtracted, as in `table.md`. Subtract the same from the "
+         "interval "
+         "of `rel_mse`",
          finite<&S::rel_mse_corrected>},
-        {"rel_mse_resolved", "", "squared relative error below which the reference's noise hides the rest",
+        {"rel_mse_resolved", "", "squared relative error below which the reference's noise hides differences",
          [](RowRef r) { return r.floor_known ? measured(r.noise_floor) : Field{}; }},
-        {"rel_mse_unmet", "", "part of `rel_mse` that is light which no seed has met", of<&TableRow::unmet>},
-        {"rmse", "radiance", "root mean squared error against the reference, by the plain formula",
+        {"rel_mse_unmet", "", "part of `rel_mse` that is unsampled light: lit in the reference, black in every seed",
+         of<&TableRow::unsampled>},
+        {"rmse", "radiance", "root mean squared error against the reference, whose own variance is included",
          of<statistics, &S::rmse>, 95},
         {"rmse_corrected", "radiance", "`rmse` with the reference's own variance subtracted from its square",
          finite<&S::rmse_corrected>},
         {"epsilon", "radiance^2", "epsilon of the row's relative errors", of<&TableRow::epsilon>},
 
         {"bias2", "radiance^2",
-         "part of the mean squared error that remains when many seeds are averaged, unclipped: below 0 where neither "
-         "seeds nor reference resolve it",
+         "part of the mean squared error that remains when many seeds are averaged. Unclipped: noise can make it "
+         "negative",
          of<statistics, &S::bias2>, 95},
         {"bias_state", "",
-         "`unbiased`: the method declares itself unbiased and samples every path of the row, so that bias^2 is 0 by "
-         "theory and all error is variance; `bias2` keeps what the seeds say, whose interval misses 0 in one of "
-         "twenty rows. `measured`: `bias2` is all that is known. `contradicted`: the same of a method that declares "
-         "itself unbiased, but has another mean energy than the reference, here or in a component. Empty: one seed",
+         "`unbiased`: bias^2 is 0 by theory, because the method is unbiased and samples every path of the row; `bias2` "
+         "keeps the seeds' estimate. `measured`: `bias2` is the only knowledge. `contradicted`: declared unbiased, but "
+         "the mean energy differs from the reference's, here or in a component. Empty: one seed",
          bias_state},
         {"variance", "radiance^2", "scatter from seed to seed, mean over pixels; it falls with more samples",
          of<statistics, &S::variance>, 95},
         {"energy_excess", "",
          "(mean of the method - mean of the reference) as a share of the reference's mean, or of a hundredth of the "
          "total's mean if that is more",
-         [](RowRef r) { return r.footing ? measured(r.footing->excess) : Field{}; }, 99},
-        {"footing", "", "verdict of equal footing: `agrees` within 1 %, `differs` or `unresolved`",
-         [](RowRef r) { return r.footing ? name_of(r.footing->verdict) : ""; }},
+         [](RowRef r) { return r.balance ? measured(r.balance->excess) : Field{}; }, 99},
+        {"footing", "", "energy balance: `agrees` within 1 %, `differs` or `inconclusive`",
+         [](RowRef r) { return r.balance ? name_of(r.balance->verdict) : ""; }},
         {"seconds_to_10pct", "s", "time to a relative RMSE of 10 %", time_to<0>, 95},
         {"seconds_to_10pct_state", "",
-         "`measured`: all seeds have reached it. `some seeds`: not all of them. By the fitted law: `extrapolated` (the "
-         "interval is that of the extrapolation), `at least` (the lower end is the bound), `never` (the law's floor is "
-         "above). `not reached`: nothing tells when. `not judged`: the reference is wrong there. `not resolved`: the "
-         "reference's noise hides it",
+         "`measured`: all seeds have reached the error. `some seeds`: not all of them. By the fitted law: "
+         "`extrapolated` "
+         "(with the extrapolation's interval), `at least` (the lower end is the bound), `never` (the error floor is "
+         "above). `not reached`: no estimate. `no verdict`: the reference is contradicted. `below the reference's "
+         "noise`: hidden by it",
          time_state<0>},
         {"seconds_to_5pct", "s", "time to a relative RMSE of 5 %", time_to<1>, 95},
         {"seconds_to_5pct_state", "", "state of `seconds_to_5pct`, as of `seconds_to_10pct`", time_state<1>},
@@ -129,27 +131,27 @@ const std::vector<RowColumn>& row_columns() {
         {"seconds_to_0.5pct", "s", "time to a relative RMSE of 0.5 %", time_to<4>, 95},
         {"seconds_to_0.5pct_state", "", "state of `seconds_to_0.5pct`, as of `seconds_to_10pct`", time_state<4>},
         {"noise_centroid", "cycles per pixel",
-         "mean spatial frequency of the noise; white noise has 0.38. "
-         "Left out: pixels without noise, and those at edges, across which the reference changes by more than 25 %",
+         "mean spatial frequency of the noise; white noise has 0.38. Left out: pixels without noise, and edges across "
+         "which the reference changes by more than 25 %",
          of<noise, &NoiseSpectrum::centroid>},
         {"noise_low_ratio", "white noise = 1", "power of the noise below 0.1 cycles per pixel",
          of<noise, &NoiseSpectrum::low_ratio>},
         {"prepare_seconds", "s", "part of `seconds` before the first pass", of<&TableRow::prepare_seconds>},
         {"peak_rss_mib", "MiB", "largest resident set of the cells' processes", of<&TableRow::peak_rss_mib>},
         {"cpu", "",
-         "processor that measured the row, by the name that the system gives; several are separated by `;`, and their "
-         "times do not compare",
+         "processor that measured the row, by the system's name. Several are separated by `;`: their times do not "
+         "compare",
          [](RowRef r) { return fmt::format("{}", fmt::join(r.cpus, ";")); }},
         {"flip", "0 to 1",
-         "HDR-FLIP (Andersson et al. 2021) at 67 pixels per degree of the final images, mean over pixels and seeds; of "
-         "`total` only",
+         "HDR-FLIP (Andersson et al. 2021) at 67 pixels per degree of the final images, mean over pixels and seeds; "
+         "`total` "
+         "only",
          of<&TableRow::flip>},
         {"nonfinite", "", "samples of all seeds that were not finite and were dropped",
          [](RowRef r) { return measured(static_cast<double>(r.nonfinite)); }},
         {"effects_missing", "", "effects that the scene calls for and the method does not simulate, separated by `;`",
          [](RowRef r) { return r.effects_missing.names(); }},
-        {"components_missing", "",
-         "components that hold light and of which the method leaves out paths, separated by `;`",
+        {"components_missing", "", "components with light that the method samples incompletely, separated by `;`",
          [](RowRef r) { return names_of(r.components_missing.list()); }},
     };
     return columns;

@@ -26,19 +26,19 @@ Field time_to(const TableRow& row) {
 struct RowColumn {
     std::string name, unit, sentence;
     RowValue value;
-    int percent = 0;  ///< level of the interval whose ends stand in NAME_lo and NAME_hi; 0: there are none
+    int percent = 0;  ///< level of the interval in NAME_lo and NAME_hi; 0: none
 };
 
 /// "16", or "12 to 16": the least and the most passes of the seeds.
 std::string passes_text(std::uint32_t least, std::uint32_t most);
-/// Those of a row's final images.
+/// The passes of a row's final images.
 std::string passes_of(const TableRow& row);
 
 /// In the order of table.csv.
 const std::vector<RowColumn>& row_columns();
 
-/// The fields of a row, in the order of row_columns() with the ends of the intervals. A number is empty where it was
-/// not measured; its ends then are those of an extrapolation, and a lower bound stands in NAME_lo.
+/// The fields of a row, in the order of row_columns() with the ends of the intervals. A number that was not
+/// measured is empty; NAME_lo and NAME_hi hold the interval of an extrapolation, NAME_lo alone a lower bound.
 std::vector<std::string> csv_fields(const TableRow& row);
 
 }  // namespace gib

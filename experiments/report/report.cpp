@@ -160,7 +160,7 @@ json scene_data(const ReferenceQuality& quality, const std::vector<Section>& all
             {"tables", std::move(shown_tables)}};
 }
 
-/// What the headings of the tables mean, by their declarations.
+/// The meanings of the tables' headings, by their declarations.
 json meanings_data() {
     json meanings = json::array();
     for (const SectionColumn& column : section_columns())

@@ -1,7 +1,8 @@
 #pragma once
 // The data of the report's charts as JSON: curves and spectra of each scene, by component.
 //
-// The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder (tuning_result.h).
+// The report's section about a tuning, from the file `tune.json` that `gibench tune` leaves in its folder
+// (tuning_result.h).
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/results/result_folder.h"
@@ -12,7 +13,7 @@ namespace gib {
 
 /// {"methods": [...], "targets": [...], "scenes": {NAME: {"components": [...],
 /// "curves": {COMPONENT: [{"method": index, "stops": [passes, ...], "points": [[passes, seconds, relative RMSE, lo, hi, RMSE, lo, hi,
-/// least passes of a seed], ...]}]}, "noise_floor": {COMPONENT: relative RMSE that the reference resolves},
+/// least passes of a seed], ...]}]}, "noise_floor": {COMPONENT: relative RMSE of the reference's noise},
 /// "spectra": {COMPONENT: [{"method": index, "noise": [[frequency, power], ...], "bias": ...}]}}}}.
 /// Errors are shares, not percent; lo and hi are null if there is no interval.
 nlohmann::json report_data(const Analysis& analysis);

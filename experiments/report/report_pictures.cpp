@@ -106,8 +106,8 @@ struct SceneFiles {
     LayeredImage image(const Cell& cell) const { return read_image(folder.cell_image(folder_of(cell))); }
 };
 
-/// The bias of each pixel, the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon), and half the width of its
-/// 95 % interval, from the scatter of the seeds and the reference's standard error.
+/// The bias of each pixel, the mean over channels of (mean of the seeds - r) / sqrt(r^2 + epsilon), and half the width
+/// of its 95 % interval, from the scatter of the seeds and the reference's standard error.
 struct BiasMap {
     std::vector<float> bias, half_width;
 };
@@ -192,7 +192,7 @@ json method_entry(const SceneFiles& files, std::size_t method, const Judgement& 
     return entry;
 }
 
-/// The sums of components that the viewer offers: the judged total, the sum of all if that is another one, and each
+/// The sums of components that the viewer offers: the total that is compared, the sum of all if it differs, and each
 /// component. Components that are black in every image are left out.
 json layers_of(const Reference& reference, const Judgement& judgement, const json& images) {
     json judged = json::array(), all = json::array();
@@ -207,11 +207,11 @@ json layers_of(const Reference& reference, const Judgement& judgement, const jso
         if (judgement.is_resolved(c)) judged.push_back(name);
     }
     json layers = json::array({{{"name", total_name}, {"parts", judged}}});
-    if (!reference.unresolved.empty()) layers.push_back({{"name", "all, judged or not"}, {"parts", all}});
+    if (!reference.unresolved.empty()) layers.push_back({{"name", "all components"}, {"parts", all}});
     if (all.size() > 1)
         for (const auto& name : all)
             layers.push_back({{"name", name}, {"parts", json::array({name})}});
-    // The techniques of a path of one length stand together, as in the pyramid of Veach (1997), figure 10.3.
+    // The techniques of one path length form a row, as in the pyramid of Veach (1997), figure 10.3.
     std::set<std::string> techniques;
     for (const json& image : images)
         for (const auto& part : image.at("parts").items())

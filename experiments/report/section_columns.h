@@ -13,7 +13,7 @@ namespace gib {
 enum RowSection : unsigned { in_prices = 1, in_laws = 2, in_errors = 4, in_outliers = 8, in_noise = 16 };
 
 struct SectionColumn {
-    unsigned sections;  ///< those that show it
+    unsigned sections;  ///< the sections that show it
     std::string heading;
     std::string column;  ///< the column of table.csv that holds the same number; may be empty
     RowValue value;

@@ -49,20 +49,21 @@ Section warning_section(const Analysis& analysis) {
 }
 
 Section look_section(const Analysis& analysis) {
-    Section section{"Each method at equal time",
-                    "Relative RMSE, mean over the seeds, after the time of the fastest method; FLIP of seed 1's last "
-                    "image that was kept by then. Bias or noise: of the final images.",
-                    {words("method"),
-                     {"seconds"},
-                     {"relative RMSE %"},
-                     words("beside the best"),
-                     {"FLIP of the image"},
-                     words("image"),
-                     words("bias or noise"),
-                     words("missing effects"),
-                     words("energy differs in")},
-                    {},
-                    Section::Kind::looks};
+    Section section{
+        "Each method at equal time",
+        "Relative RMSE after the time of the fastest method, mean over the seeds. The image, with its FLIP: "
+        "seed 1's last one within that time. Bias or noise: of the final images.",
+        {words("method"),
+         {"seconds"},
+         {"relative RMSE %"},
+         words("beside the best"),
+         {"FLIP of the image"},
+         words("image"),
+         words("bias or noise"),
+         words("missing effects"),
+         words("energy differs in")},
+        {},
+        Section::Kind::looks};
     for (const auto& scene : scenes_of(analysis)) {
         const SceneLook look = scene_look(analysis, scene);
         for (const LookWords& w : look.methods)
@@ -80,7 +81,7 @@ Section look_section(const Analysis& analysis) {
     return section;
 }
 
-/// How the time of a row to an error stands beside those of the other methods.
+/// The rank of a row's time to an error among all methods.
 Mark mark_of(const Analysis& analysis, const TableRow& row, std::size_t target) {
     if (!time_field(row, target).is_measured()) return Mark::grey;
     for (const Contender& c : Contest(analysis, row.scene, row.layer).to_error(target))
@@ -117,25 +118,28 @@ Section row_section(const Analysis& analysis, RowSection which, std::string titl
 }
 
 /// Whether a row's component is black in the method's images and in the reference.
-bool is_black(const Footing& footing) { return footing.energy.value == 0 && footing.excess.value == 0; }
+bool is_black(const EnergyBalance& balance) { return balance.energy.value == 0 && balance.excess.value == 0; }
 
-Section footing_section(const Analysis& analysis) {
-    Section section{
-        "Equal footing", "Mean energy against the reference's, with 99 % intervals.", {}, {}, Section::Kind::words};
-    if (analysis.index.seeds < 2) section.sentence += " One seed has no interval: run with two seeds or more.";
-    const auto warnings = footing_warnings(analysis);
+Section balance_section(const Analysis& analysis) {
+    Section section{"Energy balance",
+                    "Mean energy relative to the reference's, with 99 % intervals.",
+                    {},
+                    {},
+                    Section::Kind::words};
+    if (analysis.index.seeds < 2) section.sentence += " Intervals need two seeds or more.";
+    const auto warnings = balance_warnings(analysis);
     for (const auto& scene : scenes_of(analysis)) {
-        std::map<FootingVerdict, int> counts;
+        std::map<BalanceVerdict, int> counts;
         for (const TableRow& row : analysis.rows)
-            if (row.scene == scene && row.footing && !is_black(*row.footing)) ++counts[row.footing->verdict];
-        const int agree = counts[FootingVerdict::agrees], differ = counts[FootingVerdict::differs];
-        const int unresolved = counts[FootingVerdict::unresolved], all = agree + differ + unresolved;
+            if (row.scene == scene && row.balance && !is_black(*row.balance)) ++counts[row.balance->verdict];
+        const int agree = counts[BalanceVerdict::agrees], differ = counts[BalanceVerdict::differs];
+        const int inconclusive = counts[BalanceVerdict::inconclusive], all = agree + differ + inconclusive;
         if (all == 0) continue;
         section.rows.push_back(
             {.scene = scene,
              .sentence = fmt::format("of {} components and totals that are not black, {} within {:.0f} %, {} beyond, "
-                                     "{} not to be told (their intervals: `energy_excess` of `table.csv`).",
-                                     all, agree, 100 * footing_tolerance, differ, unresolved)});
+                                     "{} inconclusive (intervals: `energy_excess` of `table.csv`).",
+                                     all, agree, 100 * balance_tolerance, differ, inconclusive)});
         for (const Warning& w : warnings)
             if (w.scene == scene)
                 section.rows.push_back({.scene = scene, .sentence = sentence_of(w), .is_warning = true});
@@ -146,17 +150,14 @@ Section footing_section(const Analysis& analysis) {
 Section verdict_section(const Analysis& analysis) {
     Section section{
         "Which method is cheapest, and why",
-        "The answer stands with the method. Seconds: to the relative RMSE beside it. The error is that after the best "
-        "one's time; where no method has "
-        "reached it, that of the final images. Of its squared error: shares of the sum of its components' squared "
-        "errors. Bias or noise: of the "
-        "final images.",
+        "Relative RMSE: after the best method's time, or of the final images if no method reached the error. Error by "
+        "component: shares of the sum of the components' squared errors. Bias or noise: of the final images.",
         {words("method"),
          {"to reach"},
          {"seconds"},
          {"times the best"},
-         {"relative RMSE % then"},
-         words("of its squared error"),
+         {"relative RMSE %"},
+         words("error by component"),
          words("bias or noise")},
         {},
         Section::Kind::verdict};
@@ -164,7 +165,10 @@ Section verdict_section(const Analysis& analysis) {
         for (const VerdictRow& v : verdict(analysis, scene))
             section.rows.push_back(
                 {.scene = scene,
-                 .entries = {{v.method.empty() ? "none" : v.method, Mark::none, v.method, v.remark},
+                 .entries = {{!v.target          ? "no verdict"
+                              : v.method.empty() ? "none"
+                                                 : v.method,
+                              Mark::none, v.method, v.remark},
                              {v.target ? std::string(target_names[*v.target]) + " %" : std::string("any")},
                              {v.seconds, v.is_best                 ? Mark::best
                                          : v.seconds.is_measured() ? Mark::none
@@ -179,10 +183,10 @@ Section verdict_section(const Analysis& analysis) {
 Section crossover_section(const Analysis& analysis) {
     Section section{
         "When the best method changes",
-        "From these seconds on the method is closer to the reference than all others, by the mean over the seeds after "
-        "equal time, by 5 % at least before the next change; 95 % intervals over the seeds. A tie: never told apart "
-        "until the next change. Not run "
-        "longer: ended before it.",
+        "From these seconds on the method has the smallest error after equal time, mean over the seeds. Its lead "
+        "reaches 5 "
+        "% or more before the next change. Not significantly different: at no time before that change. Not run longer: "
+        "the run ended before that change.",
         {words("method"), {"from second"}, {"relative RMSE % there"}, words("before"), words("beside others")}};
     for (const Crossover& c : crossovers(analysis)) {
         if (c.ends)
@@ -210,10 +214,10 @@ std::string others_text(const EqualTimeRow& row, const std::string& unit) {
         const std::string number =
             c.standing == Standing::no_image
                 ? fmt::format("no image yet; first after {} {}", short_number(c.first_image), unit)
-                : short_number(std::sqrt(c.mean / row.ranking.front().mean)) + (c.standing == Standing::tie ? " (tie)"
-                                                                                : c.standing == Standing::incomplete
-                                                                                    ? " (not all light)"
-                                                                                    : "");
+                : short_number(std::sqrt(c.mean / row.ranking.front().mean)) +
+                      (c.standing == Standing::tie          ? " (not significant)"
+                       : c.standing == Standing::incomplete ? " (not all light)"
+                                                            : "");
         text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", c.method, number);
     }
     return text;
@@ -244,9 +248,7 @@ Section equal_section(const Analysis& analysis, std::string title, std::string s
 }
 
 Section equal_time_section(const Analysis& analysis) {
-    return equal_section(
-        analysis, "At equal time",
-        "After the whole time of the fastest method; the reference's own error is subtracted where it is known.", true);
+    return equal_section(analysis, "At equal time", "After the whole time of the fastest method.", true);
 }
 
 Section equal_passes_section(const Analysis& analysis) {
@@ -254,9 +256,8 @@ Section equal_passes_section(const Analysis& analysis) {
     if (std::ranges::none_of(scenes_of(analysis), is_called_for)) return {};
     Section section = equal_section(
         with_passes_for_seconds(analysis), "At equal passes",
-        "For scenes whose methods were not given equal times, or whose times a busy machine made too long: after all "
-        "passes of the "
-        "method that made the fewest. A pass is one sample a pixel; what it costs differs between methods.",
+        "For scenes whose methods had unequal times, or times from a busy machine. Errors after the smallest number of "
+        "passes of any method. A pass is one sample a pixel; its cost differs between methods.",
         false);
     std::erase_if(section.rows, [&](const Row& row) { return !is_called_for(row.scene); });
     return section;
@@ -264,8 +265,7 @@ Section equal_passes_section(const Analysis& analysis) {
 
 Section frontier_section(const Analysis& analysis) {
     Section section{"Pareto frontier",
-                    "The checkpoints that no other beats in both time and error, means over the seeds after equal "
-                    "passes; the reference's own error is subtracted where it is known.",
+                    "Checkpoints that no other beats in both time and error; means over the seeds after equal passes.",
                     {{"seconds"}, {"relative RMSE %"}, {"passes"}, words("method"), words("beside others")}};
     for (const FrontierPoint& p : pareto_frontier(analysis))
         section.rows.push_back({.scene = p.scene,
@@ -280,9 +280,9 @@ Section frontier_section(const Analysis& analysis) {
 Section bias_law_section(const Analysis& analysis) {
     Section section{
         "How bias falls",
-        "bias^2 = c x^-p over the values x of one parameter, 95 % interval. Only values whose bias^2 is above 0 with "
-        "its "
-        "whole interval are fitted, and three are needed. Theory: where light is smooth.",
+        "Fit of bias^2 = c x^-p over the values x of one parameter. It needs three values whose interval of bias^2 "
+        "lies "
+        "above 0. The p by theory holds for smooth light.",
         {words("component"), words("method"), words("parameter"), {"values fitted"}, {"p"}, {"p by theory"}},
         {},
         Section::Kind::bias_laws};
@@ -293,7 +293,7 @@ Section bias_law_section(const Analysis& analysis) {
                                                 {law.name},
                                                 {law.parameter},
                                                 {fmt::format("{} of {}", law.resolved_count, law.rows.size())},
-                                                {law.fit ? measured(law.fit->exponent) : Field{State::not_resolved}},
+                                                {law.fit ? measured(law.fit->exponent) : Field{State::below_noise}},
                                                 {law.theory ? measured(*law.theory) : Field{}}}});
     return section;
 }
@@ -353,29 +353,26 @@ std::vector<Section> sections(const Analysis& analysis) {
         warning_section(analysis),
         look_section(analysis),
         verdict_section(analysis),
-        footing_section(analysis),
+        balance_section(analysis),
         row_section(
             analysis, in_prices, "Price list",
-            "Seconds until the relative RMSE, the reference's own error subtracted where it is known, is at the "
-            "percentage above; "
-            "95 % intervals over the seeds. Measured times are means over the seeds, each of which has reached it."),
+            "Seconds until the relative RMSE reaches the percentage above. A measured time is the mean over the seeds, "
+            "if all have reached the error."),
         crossover_section(analysis),
-        row_section(analysis, in_laws, "What more accuracy costs",
-                    "The law of the squared error against time t is floor^2 + c (t - preparation)^-slope; what it says "
-                    "beyond the measured span is marked as extrapolated. Halving: the factor by which time grows."),
         row_section(
-            analysis, in_errors, "Errors",
-            "Errors of the final images, with 95 % intervals over the seeds. `below`: the interval reaches 0, and "
-            "this is its upper end."),
-        row_section(analysis, in_outliers, "Errors of few pixels",
-                    "The worst 0.1 % of the pixels hold most of the squared error of these images. The table has the "
-                    "error without them and the median over the pixels, by the plain formulas."),
+            analysis, in_laws, "What more accuracy costs",
+            "Law of the squared error at time t: (error floor)^2 + c (t - preparation)^-slope. Cost of halving the "
+            "error: the factor by which time grows."),
+        row_section(analysis, in_errors, "Errors", "Of the final images."),
+        row_section(
+            analysis, in_outliers, "Errors of few pixels",
+            "The worst 0.1 % of the pixels hold most of the squared error of these images. These errors include the "
+            "reference's own variance."),
         row_section(
             analysis, in_noise, "Bias and noise",
-            "The parts of the mean squared error of the final images, the reference's own variance subtracted where it "
-            "is known, in "
-            "absolute units, so that they do not add "
-            "up to the square of the relative RMSE, of which the share is; and the noise's spatial frequencies."),
+            "Mean squared error of the final images = bias^2 + variance. The share of bias^2 is that in the square of "
+            "the "
+            "relative RMSE, which weighs pixels differently. Centroid and low frequencies: spectrum of the noise."),
         equal_time_section(analysis),
         equal_passes_section(analysis),
         frontier_section(analysis),

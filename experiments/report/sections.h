@@ -1,6 +1,5 @@
 #pragma once
-// The content of table.md and of the report of an analysis, as one list of sections. Texts are Markdown: names stand between
-// backquotes.
+// The content of table.md and of the report, as one list of sections. Texts are Markdown: names are between backquotes.
 
 #include "experiments/analysis/analysis.h"
 #include "experiments/report/columns.h"
@@ -10,7 +9,7 @@
 
 namespace gib {
 
-/// How a field stands beside the others of its column.
+/// The rank of a field in its column.
 enum class Mark { none, best, tie, grey };
 
 /// A field of a table.
@@ -18,7 +17,7 @@ struct Entry {
     Shown shown;
     Mark mark = Mark::none;
     std::string method = "";          ///< the label whose colour it has
-    std::string remark = "";          ///< stands below a text, in brackets in Markdown
+    std::string remark = "";          ///< below a text; in brackets in Markdown
     std::vector<double> shares = {};  ///< drawn as a bar beside it
 };
 
@@ -26,7 +25,7 @@ struct Section {
     enum class Kind { warnings, verdict, words, table, looks, noise, bias_laws, stages };
     struct Column {
         std::string heading;
-        bool of_words = false;  ///< words stand on the left
+        bool of_words = false;  ///< words are aligned on the left
     };
     struct Row {
         std::string scene;
@@ -42,8 +41,9 @@ struct Section {
     Kind kind = Kind::table;
 };
 
-/// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are left
-/// out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that differ in
+/// The sections in their order: warnings, a look at each method at equal time, words, tables. Those without rows are
+/// left out. table.md prints each of them once, the report those rows of each that belong to a scene. Labels that
+/// differ in
 /// `spp` alone have to be merged before (method_names.h).
 std::vector<Section> sections(const Analysis& analysis);
 

@@ -29,7 +29,7 @@ std::size_t character_at(const std::string& text, std::size_t at) {
     return at;
 }
 
-/// The text, at most `width` bytes of it: its beginning and, because settings that differ stand there, `tail` bytes of its end.
+/// The text, cut to `width` bytes: its beginning and the last `tail` bytes, which hold the settings that differ.
 std::string cut(const std::string& text, std::size_t width, std::size_t tail = 0) {
     if (text.size() <= width) return text;
     std::size_t head = width - 2 - tail;
@@ -55,8 +55,8 @@ Line line_of(const std::string& scene, const VerdictRow& v) {
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
             .seconds = text_of(v.seconds).value + (is_foretold ? " extrap." : ""),
-            .factor = beside + (v.is_tie ? " tie" : ""),
-            .consists_of = v.method.empty() ? v.remark : of};
+            .factor = beside + (v.is_tie ? " n.s." : ""),
+            .consists_of = !v.method.empty() ? of : (v.target ? "none: " : "no verdict: ") + v.remark};
 }
 
 std::size_t width_of(const std::vector<Line>& lines, std::string Line::*column, std::size_t most) {
@@ -80,7 +80,8 @@ std::string terminal_verdict(const Analysis& whole) {
         }
     }
     if (all.empty()) return "";
-    const std::size_t room = most_lines - 2;
+    const bool has_ties = std::ranges::any_of(all, [](const Line& l) { return l.factor.ends_with("n.s."); });
+    const std::size_t room = most_lines - (has_ties ? 3 : 2);
     std::vector<Line> lines = all.size() <= room ? all : best;
     const std::size_t more = lines.size() > room ? lines.size() - (room - 1) : 0;
     lines.resize(lines.size() - more);
@@ -94,8 +95,7 @@ std::string terminal_verdict(const Analysis& whole) {
     for (const Line& line : lines) {
         std::string row =
             fmt::format("{:<{}}{:>{}}  ", has_scenes ? cut(line.scene, scene - 1) : "", scene, line.error, error);
-        if (line.method.empty()) row += "none: ";
-        else
+        if (!line.method.empty())
             row += fmt::format("{:<{}} {:>{}} {:>{}}  ", cut(line.method, method, method / 2), method,
                                cut(line.seconds, seconds), seconds, cut(line.factor, factor), factor);
         const std::size_t left = most_columns - std::min(row.size(), most_columns);
@@ -103,6 +103,7 @@ std::string terminal_verdict(const Analysis& whole) {
         shown.erase(shown.find_last_not_of(' ') + 1);
         text += shown + "\n";
     }
+    if (has_ties) text += "n.s.: not significantly different from the best (98 %)\n";
     if (more > 0) text += fmt::format("and {} more in table.md\n", more);
     return text;
 }

@@ -49,7 +49,7 @@ std::string named(const std::vector<std::string>& methods) {
 
 Field error_of(const Contender& c, const TableRow& total) {
     if (c.logs.empty()) return {State::no_image, c.first_image};
-    return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::not_judged};
+    return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::no_verdict};
 }
 
 std::string layer_names(const std::vector<Layer>& layers) {
@@ -63,7 +63,7 @@ std::string layer_names(const std::vector<Layer>& layers) {
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;
     for (const TableRow& row : analysis.rows)
-        if (row.scene == look.scene && row.method == look.method && row.has_verdict(FootingVerdict::differs))
+        if (row.scene == look.scene && row.method == look.method && row.has_verdict(BalanceVerdict::differs))
             names += (names.empty() ? "" : ", ") + std::string(name_of(row.layer));
     return names;
 }
@@ -75,9 +75,9 @@ std::string beside_text(const std::vector<Contender>& ranking, const Contender& 
             return doubt.empty() ? "best" : "best, " + doubt;
         }
         case Standing::tie:
-            return "tie with the best";
+            return "not significantly different from the best";
         case Standing::one_seed:
-            return "one seed does not tell";
+            return "inconclusive: one seed";
         case Standing::open:
             return "not run longer";
         case Standing::incomplete:
@@ -113,7 +113,7 @@ public:
     std::vector<VerdictRow> verdict() const {
         if (contest_.methods() == 0) return {};
         if (!contest_.is_judged())
-            return {VerdictRow{.remark = fmt::format("the reference does not judge the light of {}",
+            return {VerdictRow{.remark = fmt::format("the reference is incomplete or contradicted in {}",
                                                      words_of(analysis_.unjudged(scene_)))}};
         std::vector<VerdictRow> rows;
         for (const std::size_t target : asked_targets) {
@@ -127,8 +127,8 @@ public:
 private:
     const TableRow& row(const std::string& method) const { return *analysis_.row(scene_, method, Layer::total); }
 
-    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below half a
-    /// percent: "90 % caustic, 10 % indirect"; empty if there is none.
+    /// The components' shares of the sum of their squared errors after `seconds`, largest first, without those below
+    /// half a percent: "90 % caustic, 10 % indirect"; empty if there is none.
     std::string parts_of_error(const Runs& cells, double seconds) const {
         double sum = 0;
         std::vector<std::pair<double, Layer>> parts;
@@ -164,7 +164,7 @@ private:
                 .remark = std::move(remark)};
     }
 
-    /// For each method name other than the first one's, the label that stands first.
+    /// The first label of each method name other than the first one's.
     std::vector<std::string> best_of_other_names(const std::vector<std::string>& methods) const {
         std::set<std::string> named = {name_in(methods.front())};
         std::vector<std::string> best;
@@ -173,7 +173,8 @@ private:
                 best.push_back(method);
         return best;
     }
-    /// The name that the experiment file gives to a label and its other settings, else the label's method with its filter.
+    /// The name that the experiment file gives to a label and its other settings, else the label's method with its
+    /// filter.
     std::string name_in(const std::string& method) const {
         const std::string& label = analysis_.label_of(method);
         const auto given = analysis_.index.given_names.find(label);
@@ -220,7 +221,7 @@ private:
             other.factor = times_as_much(other.seconds, 1 / seconds);
             const bool is_tie = std::ranges::any_of(
                 ranking, [&](const Contender& c) { return c.method == method && c.standing == Standing::tie; });
-            if (is_tie) other.remark = "tie with the best", other.is_tie = true;
+            if (is_tie) other.remark = "not significantly different from the best", other.is_tie = true;
         }
         return rows;
     }
@@ -228,7 +229,7 @@ private:
     std::vector<VerdictRow> without_winner(std::size_t target) const {
         if (!is_target_resolved(target, contest_.noise_floor()))
             return {{.target = target,
-                     .remark = fmt::format("the reference resolves {} % only",
+                     .remark = fmt::format("the reference's noise hides errors below {} %",
                                            percent_text(std::sqrt(contest_.noise_floor())))}};
         const auto closest = contest_.by_final_images();
         const std::string& closest_method = closest.front().method;
@@ -272,13 +273,13 @@ FieldText text_of(const Field& field, const std::string& unit) {
         case State::not_reached:
             return {csv_state(field), field.reason};
         case State::never:
-            return {"never", fmt::format("floor {} %", number_text(field.value, field.unit))};
+            return {"never", fmt::format("error floor {} %", number_text(field.value, field.unit))};
         case State::unbiased:
             return {"0", "unbiased"};
         case State::no_image:
             return {fmt::format("no image yet; first after {} s", short_number(field.value)), ""};
-        case State::not_resolved:
-            if (!std::isnan(field.value)) return {fmt::format("below {}, not resolved", number(field.value)), ""};
+        case State::below_noise:
+            if (!std::isnan(field.value)) return {"below " + number(field.value), "the reference's noise"};
             break;
         default:
             break;
@@ -293,39 +294,42 @@ std::string line_of(const Field& field, const std::string& unit) {
 
 std::string csv_state(const Field& field) {
     // In the order of State.
-    constexpr const char* names[] = {
-        "",      "measured", "extrapolated", "at least",       "below",    "some seeds", "not reached",
-        "never", "unbiased", "not resolved", "cannot be told", "no image", "not judged"};
-    static_assert(std::size(names) == static_cast<std::size_t>(State::not_judged) + 1);
+    constexpr const char* names[] = {"",
+                                     "measured",
+                                     "extrapolated",
+                                     "at least",
+                                     "below",
+                                     "some seeds",
+                                     "not reached",
+                                     "never",
+                                     "unbiased",
+                                     "below the reference's noise",
+                                     "inconclusive",
+                                     "no image",
+                                     "no verdict"};
+    static_assert(std::size(names) == static_cast<std::size_t>(State::no_verdict) + 1);
     return names[static_cast<std::size_t>(field.state)];
 }
 
 std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
-    if (!row.contradicted_in.empty())
-        return "bias, although the method is declared unbiased: " + layer_names(row.contradicted_in);
+    if (!row.contradicted_in.empty()) return "bias; declared unbiased";
     const Field share = bias_share_field(row);
-    const auto [value, detail] = text_of(share, " %");
+    const auto percent = [](double value) { return whole_percent(value) + " %"; };
     switch (share.state) {
         case State::unbiased:
-            return "noise: the method is unbiased" +
-                   (unmet_share(row) > 0 ? fmt::format("; {} % of the squared error is light that no seed has met yet",
-                                                       whole_percent(unmet_share(row)))
-                                         : "");
+            return unsampled_share(row) > 0 ? fmt::format("noise, {} unsampled light", percent(unsampled_share(row)))
+                                            : "noise";
         case State::below:
-            if (share.value < 0.005) return "noise; no bias found";
-            return fmt::format("{}bias {} of the squared error",
-                               share.value < 0.5 ? "noise; " : "bias or noise: not resolved, ", value);
+            if (share.value >= 0.5) return "inconclusive, bias below " + percent(share.value);
+            return share.value < 0.005 ? "noise" : "noise, bias below " + percent(share.value);
         case State::measured:
-            return share.interval->lo >= 0.5 ? fmt::format("bias: {} of the squared error, {}", value, detail)
-                                             : fmt::format("{}noise; bias is {} of the squared error, {}",
-                                                           share.interval->hi < 0.5 ? "" : "bias and ", value, detail);
-        case State::cannot_be_told:
-            if (!row.floor_known) return "no standard error: bias and noise cannot be separated";
-            return row.statistics->rel_bias2 && row.statistics->rel_bias2->interval
-                       ? "bias or noise: not resolved"
-                       : "bias or noise: two seeds would tell";
+            return percent(share.value) + " bias";
+        case State::inconclusive:
+            if (!row.floor_known) return "inconclusive: reference's error unknown";
+            return row.statistics->rel_bias2 && row.statistics->rel_bias2->interval ? "inconclusive"
+                                                                                    : "needs two seeds";
         default:
             return "";
     }
@@ -333,9 +337,10 @@ std::string error_kind(const TableRow& row) {
 
 std::string words_of(const Doubts& doubts) {
     std::string text;
-    if (!doubts.ties.empty()) text = doubts.one_seed ? "one seed does not tell" : "tie with " + named(doubts.ties);
+    if (!doubts.ties.empty())
+        text = doubts.one_seed ? "inconclusive: one seed" : "not significantly different from " + named(doubts.ties);
     for (const auto& [words, methods] :
-         {std::pair("one seed does not tell: ", &doubts.lone), {"not run longer: ", &doubts.open}})
+         {std::pair("inconclusive, one seed: ", &doubts.lone), {"not run longer: ", &doubts.open}})
         if (!methods->empty()) text += (text.empty() ? "" : "; ") + (words + named(*methods));
     return text;
 }
@@ -378,9 +383,9 @@ std::vector<VerdictRow> verdict(const Analysis& analysis, const std::string& sce
 
 ShortAnswer cheapest(const Analysis& analysis, const std::string& scene, std::size_t target) {
     for (const VerdictRow& v : verdict(analysis, scene)) {
-        if (!v.target) return {"not judged", v.remark};
+        if (!v.target) return {"no verdict", v.remark};
         if (v.target != target) continue;
-        if (v.method.empty()) return {"not resolved", v.remark};
+        if (v.method.empty()) return {"below the reference's noise", v.remark};
         std::string doubt = v.doubts.empty() ? "" : ", " + v.doubts;
         std::ranges::replace(doubt, '`', '\'');  // the page's head has no code
         if (v.is_best) return {v.method, short_number(v.seconds.value) + " s" + doubt};

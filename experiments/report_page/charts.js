@@ -120,7 +120,7 @@ const spectrumTip = (item) => [item.dataset.label,
 
 /**
  * A chart with its heading and canvas. `make` returns {sets, xAxis, yAxis, tip, words, nothing}; if no set has
- * points, the text `nothing` stands in place of the chart.
+ * points, the text `nothing` replaces the chart.
  */
 class ChartPanel {
   constructor(place, heading, note, make) {
@@ -160,8 +160,8 @@ function sceneCharts(section, scene, state) {
     }));
   const panels = [
     new ChartPanel(section.querySelector(".curve-chart"), "Error against time",
-      "Mean over the seeds with its 95 % band; the reference's own error is subtracted where it is known. Below the dashed line the " +
-      "reference resolves nothing. Rings: where labels with a smaller spp stopped. Time is charged wall-clock time, preparation included.", () => ({
+      "Mean over the seeds with its 95 % band. Below the dashed line lies the reference's noise. Rings: ends of labels with a smaller " +
+      "spp. Time is charged wall-clock time, preparation included.", () => ({
         sets: curveSets(scene, state.component, state.metric, state.hidden),
         xAxis: () => axis("logarithmic", "seconds"),
         yAxis: () => axis("logarithmic", curveMetrics[state.metric].label),
@@ -169,10 +169,10 @@ function sceneCharts(section, scene, state) {
         words: `${curveMetrics[state.metric].label} of ${state.component} against seconds, both logarithmic`,
         nothing: "There is no curve of this component.",
       })),
-    spectrum("noise", "1 is white noise. Power at the left is blotchy noise that the eye sees easily.",
-      "power, white noise = 1", "A spectrum of the noise needs at least three seeds, and images that have noise."),
-    spectrum("bias", "In the gaps there is no bias that the seeds and the reference could resolve.",
-      "power [radiance²]", "There is no bias that the seeds and the reference could resolve."),
+    spectrum("noise", "White noise has 1. Power at low frequencies is blotchy noise, which the eye sees easily.",
+      "power, white noise = 1", "A spectrum of the noise needs at least three seeds."),
+    spectrum("bias", "In the gaps bias is below the noise of seeds and reference.",
+      "power [radiance²]", "Bias is below the noise of seeds and reference."),
   ];
   return () => panels.forEach((panel) => panel.draw());
 }

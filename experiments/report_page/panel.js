@@ -200,7 +200,7 @@ class ViewerPanel {
         ["0", `${end} and more`, "relative error of a pixel, |x − r| / √(r² + ε), mean of the channels"],
         ["0", `${number(most, 3)} and more`, "what the squared relative RMSE is the mean of, (x − r)² / (r² + ε)"],
         ["0", `${number(most, 3)} and more`, "|x − r| [W/(sr m²)], mean of the channels"]][this.state.error],
-      bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels; grey: the seeds do not tell it from 0"],
+      bias: [`−${end}`, `+${end}`, "(mean of the seeds − r) / √(r² + ε), mean of the channels; grey: not significantly different from 0"],
       FLIP: ["0", "1", "FLIP: how much of a difference a viewer sees at 67 pixels per degree"],
     }[name];
     const [bar, ends] = scaleBar(data.scales[this.isMap ? name.toLowerCase() : "error"], low, high);

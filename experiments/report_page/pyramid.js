@@ -23,9 +23,9 @@ class Pyramid {
     });
     this.rows = element("div", {className: "pyramid"});
     this.place = element("div", {}, element("h4", {textContent: `Techniques of ${image.label}`}),
-      element("p", {className: "muted", textContent: "A row holds the paths of k edges, from left to right by s, the " +
-        "number of vertices taken from the light's walk. Weighted, all pictures together are the image; alone, each row " +
-        "shows the same light as often as there are techniques that can make it. A click shows a picture above."}),
+      element("p", {className: "muted", textContent: "A row holds the paths of k edges, ordered by s, the number of vertices " +
+        "from the light. Weighted pictures sum to the image. Pictures of techniques alone show the same light in a row. " +
+        "A click shows a picture above."}),
       element("div", {className: "controls"}, kind.whole), this.rows);
     this.fill();
   }

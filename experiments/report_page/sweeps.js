@@ -37,17 +37,17 @@ function lawLines({points, exponent, factor, theory}) {
     ...(theory === null ? [] : [line("bias² by theory", theory, {borderWidth: 1, borderDash: [8, 3, 2, 3]})])];
 }
 
-/** What the points say of the exponent, and what theory says. */
+/** The fitted exponent of bias², or why there is none, and the exponent by theory. */
 function lawWords({points, exponent, resolved, theory}, parameter) {
-  const said = theory === null ? "" : ` Theory, where light is smooth: ${number(theory, 3)}.`;
+  const said = theory === null ? "" : ` Theory for smooth light: ${number(theory, 3)}.`;
   if (exponent) {
     const [p, low, high] = exponent;
     return `bias² falls as ${parameter}^−p with p = ${number(p, 3)} (${number(low, 3)} to ${number(high, 3)}).${said}`;
   }
-  return `bias² is above 0 with its whole interval at ${resolved} of ${points.length} values; a slope needs three. More seeds, or a better reference, resolve more.${said}`;
+  return `The interval of bias² lies above 0 at ${resolved} of ${points.length} values; a slope needs three. More seeds or a better reference help.${said}`;
 }
 
-/** The component whose bias² is largest of those that are resolved; else the total. */
+/** The component with the largest bias² whose interval lies above 0; else the total. */
 function largestBias(components) {
   const names = Object.keys(components);
   const bias = (name) => Math.max(0, ...components[name].points.filter((p) => p[2] > 0).map((p) => p[1]));
@@ -66,7 +66,7 @@ function setUpSweep(place, sweep) {
   });
   place.append(box);
   const panel = new ChartPanel(box, `${sweep.method}: bias and noise against ${sweep.parameter}`,
-    "Parts of the mean squared error of the final images, with 95 % intervals: dark with circles bias², light with squares variance, dashed their sum. Dotted the fitted law of bias², with dots and dashes one of theory's slope through its middle. Triangles: bias² is below this.", () => ({
+    "Mean squared error of the final images, with 95 % intervals. Dark, circles: bias². Light, squares: variance. Dashed: their sum. Dotted: the fitted law of bias². Dots and dashes: theory's slope. Triangles: upper ends of bias².", () => ({
       sets: [
         ...partSets(sweep.components[shown].points, "bias2"),
         ...partSets(sweep.components[shown].points, "variance"),

@@ -42,9 +42,7 @@ Judgement::Judgement(const Reference& reference) : reference_(reference) {
                                                               : std::move(bias));
 }
 
-bool Judgement::is_resolved(Component c) const {
-    return std::ranges::find(reference_.unresolved, c) == reference_.unresolved.end();
-}
+bool Judgement::is_resolved(Component c) const { return !contains(reference_.unresolved, c); }
 
 const ReferenceLayer* Judgement::component(Component c) const {
     const auto& layer = reference_[c];

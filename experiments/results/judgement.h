@@ -1,5 +1,5 @@
 #pragma once
-// Selects the part of an image that is compared: all components but those that the reference does not resolve.
+// Selects the compared part of an image: all components that the reference has.
 
 #include "common/images/image.h"
 #include "common/images/image_file.h"
@@ -22,17 +22,18 @@ public:
     Judgement& operator=(const Judgement&) = delete;
 
     bool is_resolved(Component c) const;
-    /// Whether there is nothing to judge: components are unresolved, and no other one holds light.
+    /// Whether there is nothing to compare: the reference lacks components, and no other one holds light.
     bool is_empty() const { return empty_; }
-    /// The total without unresolved components; its mean image stands in the denominator of every relative error.
+    /// The total without components that the reference lacks; its mean image is in the denominator of every relative
+    /// error.
     const ReferenceLayer& total() const { return partial_total_ ? *partial_total_ : reference_.total; }
-    /// Null if the reference has no such component or does not resolve it.
+    /// Null if the reference lacks the component.
     const ReferenceLayer* component(Component c) const;
-    /// The total, unless it is empty, and every judged component, by name.
+    /// The total, unless it is empty, and every component that the reference has, by name.
     std::vector<std::pair<std::string, const ReferenceLayer*>> layers() const;
-    /// The sum of the image's components without the unresolved ones.
+    /// The sum of the image's components that the reference has.
     Image total_of(const ComponentImages& image) const;
-    /// The same of an image's file; a file without layers of components, as other renderers write it, as it is.
+    /// total_of() the components of an image's file; a file without components, as other renderers write it, unchanged.
     Image total_of(const LayeredImage& file) const;
     /// Whether total() is only a part of the image, so that an image without components cannot be compared with it.
     bool leaves_out_components() const { return !reference_.unresolved.empty(); }
@@ -45,7 +46,7 @@ public:
     }
     /// The denominators of the relative errors of all layers.
     const Denominators& denominators(double epsilon) const;
-    /// The errors of the total, unless it is empty, and of each judged component that both the image and the
+    /// The errors of the total, unless it is empty, and of each component that both the image and the
     /// reference have.
     std::map<Layer, ImageError> errors(const ComponentImages& image, double epsilon) const {
         return errors(image, total_of(image), epsilon);

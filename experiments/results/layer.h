@@ -1,5 +1,5 @@
 #pragma once
-// The layers of an image that have numbers of their own: each component, and the sum of those that are judged.
+// The layers of an image with rows of their own: each component, and the sum of those that the reference has.
 
 #include "common/core/components.h"
 #include "common/scene/effects.h"
@@ -63,7 +63,7 @@ private:
 /// The parts of a scene's light that a method leaves out.
 struct LeftOut {
     Effects effects = {};        ///< that the scene calls for and the method does not simulate
-    Components components = {};  ///< of which it leaves out paths
+    Components components = {};  ///< components that it samples incompletely
 
     bool empty() const { return effects.empty() && components.empty(); }
 };

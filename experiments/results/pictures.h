@@ -2,7 +2,7 @@
 // Pictures of a cell, and the colours in which the report shows them.
 //
 // Frames are intermediate images of a cell, kept for the report's slider through time. They belong to seed 1 and hold
-// the judged total (judgement.h) after 1, 2, 4, 8, ... passes.
+// the compared total (judgement.h) after 1, 2, 4, 8, ... passes.
 //
 // The FLIP of a complete cell is kept beside its image. It is measured once, after all cells are timed, and its time is
 // never charged.
@@ -37,7 +37,8 @@ ColorScale bias_colors();
 /// A map of FLIP in the colours of `magma`, as in the papers on FLIP. The values are linear, so that the sRGB curve
 /// of a PNG gives the colours of the scale.
 Image flip_image(const FlipMap& map);
-/// The inverse of flip_image() for a PNG that read_image() has read, the same in all channels. Each value is the nearest of 256.
+/// The inverse of flip_image() for a PNG that read_image() has read, the same in all channels. Each value is the
+/// nearest of 256.
 Image flip_values(const Image& picture);
 
 /// The largest width and height of a frame [pixels]; larger films are reduced by a whole factor.

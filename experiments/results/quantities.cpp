@@ -8,7 +8,7 @@ namespace gib {
 
 namespace {
 
-/// The list: each name stands here alone. Messages say what `sentence` makes of the value before and after.
+/// All quantities. A message is `sentence` with the values before and after.
 struct Description {
     const char* name;
     std::string Differences::*effect;
@@ -19,7 +19,7 @@ constexpr std::array descriptions = {
     Description{"definitions", &Differences::all, "the definition of errors was version {} and is version {}"},
     Description{"unit", &Differences::all, "the unit was {} and is {}"},
     Description{"epsilon", &Differences::all, "epsilon was {} and is {}"},
-    Description{"components", &Differences::all, "the components judged were {} and are {}"},
+    Description{"components", &Differences::all, "the components compared were {} and are {}"},
     Description{"reference image", &Differences::all, "the reference was {} and is {}"},
     Description{"threads", &Differences::seconds, "the number of threads was {} and is {}"},
     Description{"reference", &Differences::noted, "the reference was {} and is {}"},

@@ -42,7 +42,7 @@ struct CellIdentity {
 
 struct CellCheckpoint {
     Checkpoint checkpoint;
-    std::map<Layer, ImageError> errors;  ///< of the total and each judged component
+    std::map<Layer, ImageError> errors;  ///< of the total and each component of the reference
 };
 
 /// One complete cell.
@@ -132,12 +132,13 @@ public:
     /// Makes the folder and its subfolders and checks that files can be made in them. Throws InputError, or RunError
     /// on a full disk.
     void prepare() const;
-    /// Removes what a killed run left unfinished, but nothing of a cell that a share has begun. The caller must have locked the
-    /// folder. A share that begins a command's cell at the same time may still lose its folder, and the cell fails.
+    /// Removes what a killed run left unfinished, but nothing of a cell that a share has begun. The caller must have
+    /// locked the folder. A share that begins a command's cell at the same time may still lose its folder, and the cell
+    /// fails.
     void remove_leftovers() const;
 
-    /// Throws InputError if the index or the manifest names another format than results_format. Files that name none, or
-    /// cannot be read, are accepted.
+    /// Throws InputError if the index or the manifest names another format than results_format. Files that name none,
+    /// or cannot be read, are accepted.
     void require_known_format() const;
     void write_index(const ResultIndex& index) const;
     /// Throws InputError if the folder holds no results, or results of another format.
@@ -155,8 +156,8 @@ private:
     std::string path_;
 };
 
-/// The folder for the results of an experiment: that of --out, else results/NAME. Throws InputError for names that would lead
-/// out of results/ or into results/references/.
+/// The folder for the results of an experiment: that of --out, else results/NAME. Throws InputError for names that
+/// would lead out of results/ or into results/references/.
 std::string result_folder_of(const std::optional<std::string>& out, const std::string& experiment);
 
 /// Throws InputError, with the reason, if no file can be made in a folder, or RunError on a full disk. It makes a

@@ -30,8 +30,8 @@ struct WorkFolder {
     }
 };
 
-/// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its name,
-/// because some programs cannot take a path with `=`.
+/// The folder in which a cell's process leaves its images. The one of a command has no characters of a label in its
+/// name, because some programs cannot take a path with `=`.
 std::string work_folder_of(const WorkCell& cell, const ResultFolder& folder) {
     return cell.has_command() ? folder.file("command-" + cell.identity.key().substr(0, 12))
                               : folder.work_folder(cell.name);
@@ -74,8 +74,7 @@ void CellRunner::measure(const WorkCell& cell, const PassObserver& observer) {
     }
     if (cell.has_command() && judgement_->leaves_out_components())
         throw RunError(
-            "the reference does not resolve some components, and the image of a command has none, so that the "
-            "rest of it cannot be judged");
+            "no verdict: the reference lacks components, which cannot be separated in the image of a command");
     fs::remove(folder_.cell_record(cell.name));  // from here on the cell is not complete
     fs::remove(folder_.failure_file(cell.name));
     forget_flip(folder_, cell.name);

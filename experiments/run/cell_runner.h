@@ -1,5 +1,5 @@
 #pragma once
-// Measures cells one after another, judges their images and stores them.
+// Measures cells one after another, computes the errors of their images and stores them.
 
 #include "experiments/measuring/cell_process.h"
 #include "experiments/results/judgement.h"
@@ -25,7 +25,7 @@ private:
     void measure(const WorkCell& cell, const PassObserver& observer);
     /// Renders the cell in a process of its own, which leaves its images in the work folder.
     Measurement render(const WorkCell& cell, const std::string& work_folder, const PassObserver& observer) const;
-    /// The record of a cell, whose images are judged and stored.
+    /// The record of a cell; its errors are computed and its images stored.
     Cell judged(const WorkCell& cell, const Measurement& measured, const std::string& work_folder) const;
     void keep_failure(const std::string& cell, const std::string& message);
 
@@ -37,8 +37,8 @@ private:
     std::string referred_;  ///< identity of `reference_`
 };
 
-/// Runs cells in turn, with a line of progress, and begins none when `seconds_left` is given and not above 0. Returns how many
-/// it began. Throws Interrupted.
+/// Runs cells in turn, with a line of progress, and begins none when `seconds_left` is given and not above 0. Returns
+/// how many it began. Throws Interrupted.
 std::size_t run_cells(const std::vector<const WorkCell*>& cells, CellRunner& runner, ProgressLine& progress,
                       const std::function<double()>& seconds_left = {});
 

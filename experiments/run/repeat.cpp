@@ -38,7 +38,7 @@ std::string experiment_path(const Manifest& manifest) {
     return here ? manifest.experiment_file : (fs::path(manifest.working_folder) / manifest.experiment_file).string();
 }
 
-/// The experiment of a run, as it was read then.
+/// The experiment of a run, as the run has read it.
 Experiment experiment_of(const Manifest& manifest) {
     Experiment experiment = parse_experiment(manifest.experiment_text, experiment_path(manifest));
     experiment.seeds = manifest.seeds;
@@ -58,7 +58,7 @@ void require_same_scenes(const Manifest& manifest, const RunSetup& setup) {
                     "be repeated");
 }
 
-/// Takes the references with which the run was measured, and makes those that are not intact.
+/// Takes the references of the run, and makes damaged ones again.
 void take_references(const Manifest& manifest, const ResultFolder& original, RunSession& run) {
     for (std::size_t i = 0; i < run.setup.scenes.size(); ++i) {
         if (!run.list.has(i)) continue;
@@ -94,8 +94,8 @@ void warn_of_differences(const std::map<std::string, std::string>& then) {
     all.insert(now.begin(), now.end());
     for (const auto& [what, version] : all)
         if (of(then, what) != of(now, what))
-            std::cerr << fmt::format("warning: the {} is another one: '{}' then, '{}' now; images may differ\n", what,
-                                     of(then, what), of(now, what));
+            std::cerr << fmt::format("warning: the {} was '{}' and is '{}'; images may differ\n", what, of(then, what),
+                                     of(now, what));
 }
 
 /// A text that says how far two images are apart; empty if they cannot be compared.

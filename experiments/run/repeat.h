@@ -9,11 +9,11 @@
 
 namespace gib {
 
-/// Repeats the run in the folder `results`, which is only read, and prints a line for each cell to `out`. The options that
-/// count are the folder of the new results (by default `results` + "-repeat") and the command line. Returns the exit code: 0
-/// if all are identical, 1 if one is not or could not be rendered, 130 if interrupted. Throws InputError, before anything is
-/// computed, if the manifest cannot be repeated or a scene was changed. Another commit, compiler, library or processor only
-/// gives a warning.
+/// Repeats the run in the folder `results`, which is only read, and prints a line for each cell to `out`. The options
+/// that count are the folder of the new results (by default `results` + "-repeat") and the command line. Returns the
+/// exit code: 0 if all are identical, 1 if one is not or could not be rendered, 130 if interrupted. Throws InputError,
+/// before anything is computed, if the manifest cannot be repeated or a scene was changed. Another commit, compiler,
+/// library or processor only gives a warning.
 int repeat_run(const std::string& results, RunOptions options, std::ostream& out);
 
 }  // namespace gib

@@ -33,7 +33,7 @@ int max_edges_of(const MethodLabel& label, int scene_edges) {
     return scene_edges;
 }
 
-/// The components of which a method leaves out paths that are longer than its `max_depth`, but not than that of the reference.
+/// The components whose paths a method cuts by its `max_depth`, and the reference does not.
 Components components_beyond(const MethodLabel& label, const MethodLabel& reference, int scene_edges) {
     const int edges = max_edges_of(label, scene_edges);
     Components beyond;

@@ -1,6 +1,6 @@
 #pragma once
-// A run reads and checks all of this before it computes anything: the experiment, the facts about its scenes, and what the
-// methods leave out in them.
+// A run reads and checks all of this before it computes anything: the experiment, the facts about its scenes, and what
+// the methods leave out in them.
 
 #include "common/reader/scene_file.h"
 #include "experiments/plan/experiment_file.h"
@@ -57,12 +57,12 @@ struct RunSetup {
     LoadedScene load(const RunScene& scene) const;
 };
 
-/// Loads every scene and plans every method on it. `options` are those beside the experiment's file. Nothing is written.
-/// Throws InputError.
+/// Loads every scene and plans every method on it. `options` are those beside the experiment's file. Nothing is
+/// written. Throws InputError.
 RunSetup checked_setup(Experiment experiment, const RunOptions& options);
 
-/// Whether `--only TEXT` keeps the cells of a method on a scene: TEXT is in the scene's name, in the method's label, or in the
-/// name that the experiment file gives it, with its settings as in tables ("photon map, photons=1e5").
+/// Whether `--only TEXT` keeps the cells of a method on a scene: TEXT is in the scene's name, in the method's label, or
+/// in the name that the experiment file gives it, with its settings as in tables ("photon map, photons=1e5").
 bool is_kept(const std::string& only, const Experiment& experiment, const std::string& scene,
              const MethodLabel& method);
 

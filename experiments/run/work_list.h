@@ -36,7 +36,7 @@ WorkCell work_cell(const RunSetup& setup, std::size_t scene, const MethodLabel& 
 
 class WorkList {
 public:
-    /// All cells, of which `only` selects some. Seeds are outermost, so that costs are known after the first seed and a
+    /// All cells, or those that `only` selects. Seeds are outermost, so that costs are known after the first seed and a
     /// machine that slows down treats all methods alike.
     WorkList(const RunSetup& setup, const std::string& only);
 
@@ -44,7 +44,7 @@ public:
     void keep(const std::map<std::string, Budget>& budgets);
     /// Keeps the selection of the cells of this share alone.
     void select(const RunShare& share);
-    /// The references with which cells are judged; without one, a cell cannot be complete.
+    /// The references for the errors of cells; without one, a cell cannot be complete.
     void use(const References& references);
 
     /// Whether a cell of the scene is selected.

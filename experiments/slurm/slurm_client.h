@@ -19,7 +19,7 @@ inline constexpr const char* task_index = "$SLURM_ARRAY_TASK_ID";
 
 struct SlurmJob {
     std::string name;
-    std::vector<std::string> command;  ///< program and arguments; `task_index` stands for the index of the task
+    std::vector<std::string> command;  ///< program and arguments; `task_index` is replaced by the index of the task
     std::vector<std::size_t> tasks;    ///< indices of the tasks of an array; none: no array
     int cpus = 1;                      ///< number of processors for each task
     std::string log_folder;
@@ -44,12 +44,12 @@ std::uint64_t submit_job(const SlurmJob& job);
 /// The number of the job that this process belongs to; 0: none.
 std::uint64_t own_job();
 
-/// Removes what Slurm has told this process about its own job from the environment, because sbatch and srun would take it
+/// Removes Slurm's variables of this process's own job from the environment, because sbatch and srun would take it
 /// for options of the next one.
 void forget_own_job();
 
-/// A path as sbatch's --output takes it, where % begins a replacement symbol and %% stands for %. Throws InputError for a
-/// backslash, which would switch off all replacement symbols of the pattern (sbatch(1), "filename pattern").
+/// A path as sbatch's --output takes it, where % begins a replacement symbol and %% stands for %. Throws InputError for
+/// a backslash, which would switch off all replacement symbols of the pattern (sbatch(1), "filename pattern").
 std::string log_pattern(const std::string& path);
 
 }  // namespace gib

@@ -19,14 +19,14 @@ static auto json_fields(RecordOf<SubmittedJob> auto& j) {
 }
 
 static auto json_fields(RecordOf<PlannedBatch> auto& b) {
-    return std::tuple(JsonField{"scene", b.scene}, JsonField{"maker", b.batch.maker},
+    return std::tuple(JsonField{"scene", b.scene}, JsonField{"maker", b.batch.method},
                       JsonField{"number", b.batch.number}, JsonField{"passes", b.batch.passes},
                       JsonField{"passes_before", b.batch.passes_before});
 }
 
 namespace {
 
-/// A file of this folder. `what` it is stands in the message.
+/// A file of this folder. `what`: its content, for the message.
 template <typename Record>
 Record read_record(const std::string& path, const char* what) {
     try {

@@ -1,6 +1,6 @@
 #pragma once
-// The jobs of a result folder, as its folder slurm/ keeps them: their numbers and cells (jobs.json), the batches of references
-// that array jobs make (batches-N.json), and what the jobs print.
+// The jobs of a result folder, as its folder slurm/ keeps them: their numbers and cells (jobs.json), the batches of
+// references that array jobs make (batches-N.json), and what the jobs print.
 
 #include "experiments/plan/run_options.h"
 #include "experiments/references/store.h"

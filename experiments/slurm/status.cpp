@@ -56,8 +56,8 @@ State state_of(const ResultFolder& folder, const std::string& name, const Result
     return work.more_to_come ? waiting : missing;
 }
 
-/// Says which tasks of cells have ended and left nothing: their cells are missing, and there is no log. Only the last job
-/// that was to measure a cell counts.
+/// Says which tasks of cells have ended and left nothing: their cells are missing, and there is no log. Only the last
+/// job that was to measure a cell counts.
 std::string tasks_without_a_trace(const JobFolder& folder, std::set<std::string> missing) {
     std::string text;
     std::vector<SubmittedJob> jobs = folder.read();

@@ -146,8 +146,8 @@ void require_made(const std::vector<PlannedBatch>& made, const std::vector<Plann
                         lost));
 }
 
-/// Brings the references on their way, each by at most so much work of this process, and submits what comes next. `made`:
-/// batches that jobs have made.
+/// Brings the references on their way, each by at most so much work of this process, and submits what comes next.
+/// `made`: batches that jobs have made.
 void go_on(RunSession& run, Submission& submission, double most_own_work, const std::vector<PlannedBatch>& made = {}) {
     std::vector<PlannedBatch> missing;
     for (std::size_t scene = 0; scene < run.setup.scenes.size(); ++scene)
@@ -195,8 +195,8 @@ int submit_run(const RunOptions& options, const SlurmOptions& slurm, std::ostrea
     if (options.fresh) run.forget_cells();
     const auto references = submission.active().numbers(references_job);
     if (references.empty()) go_on(run, submission, 0);
-    else out << fmt::format("job {} makes references, and then submits the cells\n", *references.begin());
-    out << fmt::format("`gibench status {}` says how far they have come\n", run.folder.path());
+    else out << fmt::format("job {} makes references and submits the cells\n", *references.begin());
+    out << fmt::format("`gibench status {}` prints their progress\n", run.folder.path());
     return run.log.exit_code();
 }
 

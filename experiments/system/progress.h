@@ -21,7 +21,7 @@ public:
     void update(double fraction, std::optional<double> seconds_left, const std::string& what);
     /// Prints a line that stays.
     void message(const std::string& text);
-    /// The same for what is neither a warning nor an error.
+    /// message() for notes, which are neither warnings nor errors.
     void note(const std::string& text);
 
     bool quiet = false;  ///< whether update() and note() show nothing

@@ -1,6 +1,6 @@
 #pragma once
-// Makes pieces of HTML and of Markdown, and fills the templates of pages (Mustache, kainjow's library) with what the build embeds in
-// the program: templates, styles and scripts, and the libraries these use.
+// Makes pieces of HTML and of Markdown, and fills the templates of pages (Mustache, kainjow's library) with what the
+// build embeds in the program: templates, styles and scripts, and the libraries these use.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -32,7 +32,8 @@ std::string filled(std::string_view page, const nlohmann::json& values, std::str
 /// Embedded scripts after one another, as the text of one <script> element.
 std::string embedded_scripts(std::initializer_list<std::string_view> names);
 
-/// The content of a file by its path below experiments/, such as "report_page/page.html", or of a library with its licence:
+/// The content of a file by its path below experiments/, such as "report_page/page.html", or of a library with its
+/// licence:
 /// "chart.js", "three.js", "OrbitControls.js". Throws std::logic_error if there is none.
 std::string_view embedded_file(std::string_view name);
 

@@ -59,8 +59,8 @@ nlohmann::json read_json(const std::string& path);
 /// Writes a record with SHA-1 of its text. The text is the same for a record that was written and read again, because
 /// numbers are read exactly and keys are sorted.
 void write_sealed_json(const std::string& path, nlohmann::json record);
-/// The record in such a file; null if its content is not what its digest says. Throws nlohmann::json::exception if it holds
-/// none, and InputError.
+/// The record in such a file; null if its content is not what its digest says. Throws nlohmann::json::exception if it
+/// holds none, and InputError.
 nlohmann::json read_sealed_json(const std::string& path);
 
 }  // namespace gib

@@ -8,8 +8,8 @@ namespace gib {
 
 namespace {
 
-/// A setting is given up if it seems to take this many times as long as the best. A law of a short run is often wrong by a
-/// factor of two.
+/// A setting is given up if it seems to take this many times as long as the best. A law of a short run is often wrong
+/// by a factor of two.
 constexpr double hopeless = 4;
 
 }  // namespace

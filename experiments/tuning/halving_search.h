@@ -1,6 +1,7 @@
 #pragma once
-// The search for the settings with the least time to an error: a cover of the space and successive halving (Karnin, Koren and
-// Somekh 2013; Jamieson and Talwalkar 2016). It measures settings by a callback, so that it can be tested with known times.
+// The search for the settings with the least time to an error: a cover of the space and successive halving (Karnin,
+// Koren and Somekh 2013; Jamieson and Talwalkar 2016). It measures settings by a callback, so that it can be tested
+// with known times.
 
 #include "experiments/tuning/search_space.h"
 
@@ -30,19 +31,20 @@ struct Trial {
     TimeEstimate time;
 };
 
-/// Measures settings for `budget` seconds each, all with the seed of this round. The result has their order; a setting that
-/// failed has an infinite time, and one for which no time was left has none.
+/// Measures settings for `budget` seconds each, all with the seed of this round. The result has their order; a setting
+/// that failed has an infinite time, and one for which no time was left has none.
 using MeasureTimes = std::function<std::vector<std::optional<TimeEstimate>>(const std::vector<Setting>& settings,
                                                                             std::uint64_t round, double budget)>;
 
 struct SearchOutcome {
-    /// The latest trial of every setting that was measured, the best first; trials of longer runs stand before those that
-    /// were given up earlier. A time that several rounds have measured is their geometric mean.
+    /// The latest trial of every setting that was measured, the best first; trials of longer runs come before those
+    /// that were given up earlier. A time that several rounds have measured is their geometric mean.
     std::vector<Trial> trials = {};
     bool is_cut = false;  ///< whether time ran out before the rounds were done
 };
 
-/// Each round keeps the better half of what it has measured and doubles the budget, so that all rounds of the whole cover take
+/// Each round keeps the better half of what it has measured and doubles the budget, so that all rounds of the whole
+/// cover take
 /// `seconds` together. A round drops settings whose laws place them four times behind the best. No budget is larger than twice the
 /// best time measured so far.
 SearchOutcome search(const SearchSpace& space, double seconds, const MeasureTimes& measure);

@@ -41,9 +41,9 @@ struct Variation {
 /// Throws InputError at `where` for a text that is neither.
 Variation parse_variation(const std::string& text, const SourceLocation& where = {});
 
-/// The parameters that vary for a method: those with a declared span that `base` does not set, and those of `variations` that
-/// the method has, whose ranges count instead of the declared ones. The span of a choice counts its words from 0. Throws
-/// InputError for a range that the parameter does not have, and for a parameter that `base` sets.
+/// The parameters that vary for a method: those with a declared span that `base` does not set, and those of
+/// `variations` that the method has, whose ranges count instead of the declared ones. The span of a choice counts its
+/// words from 0. Throws InputError for a range that the parameter does not have, and for a parameter that `base` sets.
 std::vector<TuningAxis> tuning_axes(const MethodLabel& base, const std::vector<Variation>& variations);
 
 /// A value for each axis. Empty: the default, or a parameter without effect beside the axes before it.

@@ -46,7 +46,7 @@ Estimate floor_of(const PriceLaw& price, const Estimate& last_error) {
     return floor;
 }
 
-/// The time of independent samples: the mean over the runs, of which each counts with its own time or with the law through its
+/// The time of independent samples: the mean over the runs of the measured time, or of the time by the law through the
 /// last point.
 Estimate time_of_independent_samples(const std::vector<Cell>& cells, double target) {
     std::vector<double> logs;
@@ -59,9 +59,8 @@ Estimate time_of_independent_samples(const std::vector<Cell>& cells, double targ
     return mapped(mean_of(logs), std::exp);
 }
 
-/// An extrapolated time as it is told. It lies beyond every run that has not reached the target: a law that says less is
-/// contradicted by that run, and tells no upper end. One run tells none either, nor does an interval that is too wide to say
-/// anything, nor a time far beyond the runs.
+/// An extrapolated time beyond every run that has not reached the target. It has no upper end if the law gives less
+/// than such a run, for one run, for a very wide interval, and for a time far beyond the runs.
 Estimate beyond_runs(const Estimate& seconds, const std::vector<Cell>& cells, double target) {
     double longest = 0;
     for (const Cell& cell : cells)
@@ -133,7 +132,8 @@ Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbias
     }
     verdict.state = Verdict::extrapolated;
     Estimate seconds{0, std::nullopt};
-    // Theory knows the law of runs that are too few or too short to show it. Those that have reached the target know their own times.
+    // Theory knows the law of runs that are too few or too short to show it. Those that have reached the target know
+    // their own times.
     if (is_unbiased && (verdict.reached > 0 || !(price && price->floor.interval)))
         seconds = time_of_independent_samples(cells, target);
     else if (time && law_reaches(*price, price->last_seconds))

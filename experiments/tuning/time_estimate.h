@@ -1,5 +1,6 @@
 #pragma once
-// The times of a tuning: to an error, from the checkpoints of one short run, for the search, and of all final runs of a setting.
+// The times of a tuning: to an error, from the checkpoints of one short run, for the search, and of all final runs of a
+// setting.
 
 #include "experiments/results/result_folder.h"
 #include "experiments/tuning/halving_search.h"
@@ -13,11 +14,9 @@ namespace gib {
 
 /// The time of one run to the relative RMSE `target` of the total image: the crossing of its curve, else by the fitted
 /// law of price_law.h. With fewer points than a law needs, the squared error falls as 1 / (t - t0), as that of
-/// independent samples does. Infinite if the law's floor lies above the target.
-/// Beyond `horizon`, the longest time [s] that a run can be given, times are as good as infinite, and settings are told
-/// apart by the error e that they have there: their cost is horizon e^2 / target^2, which goes on from the horizon
-/// without a step, because a method whose squared error falls as 1 / t needs this time. An image later than the horizon
-/// counts at its own time.
+/// independent samples does. Infinite if the law's floor lies above the target. Beyond `horizon`, the longest time [s]
+/// that a run can be given, settings are ranked by their error e at the horizon: the cost is horizon e^2 / target^2,
+/// the time of a method whose squared error falls as 1 / t. An image later than the horizon counts at its own time.
 TimeEstimate estimated_time(const Cell& cell, double target, double horizon = std::numeric_limits<double>::infinity());
 
 /// The time to a target, or the reason why there is none, as the runs of a setting show it.
@@ -38,7 +37,7 @@ struct Verdict {
 };
 
 /// `is_unbiased`: the floor is known to be 0. Times that were not measured are those of PriceLaw::extrapolate(); fewer than three runs
-/// or four points have no such law, and then times are known of unbiased methods alone.
+/// or four points have no such law; only unbiased methods have a time without it.
 Verdict verdict_of(const std::vector<Cell>& cells, double target, bool is_unbiased);
 
 }  // namespace gib

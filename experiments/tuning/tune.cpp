@@ -22,21 +22,22 @@ namespace gib {
 
 namespace {
 
-/// Shares of the whole time: of the reference, and of a reference that does not resolve the target by then. The search has its share
-/// of what the reference leaves, or would leave if it took all of its time.
+/// Shares of the whole time: of the reference, and of a reference whose noise still hides the target. The search has
+/// its share of what the reference leaves, or would leave if it took all of its time.
 constexpr double reference_share = 0.25, latest_reference_share = 0.5, search_share = 0.6;
 
-/// Each round of the search has the next seed from the first one on, because the best of many settings is partly the luckiest
-/// with the seed that chose it. The final runs judge by seeds that have chosen nothing, 1 to final_seeds. Their budgets leave time
+/// Each round of the search has the next seed from the first one on, because the best of many settings is partly the
+/// luckiest with the seed that chose it. The final runs have fresh seeds, 1 to final_seeds. Their budgets leave time
 /// for at least fewest_seeds.
 constexpr std::uint64_t first_search_seed = 1001, final_seeds = 5, fewest_seeds = 3;
-/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison. What the
-/// first round has measured by its end is the cover.
+/// Share of the search's time for the charged seconds of its runs; the rest is for processes, loading and comparison.
+/// The settings of the first round are the cover.
 constexpr double charged_share = 0.6, first_round_end = 0.7;
-/// Final runs may take this many times as long as the target is expected to take, because seeds and the load of the machine
+/// Final runs may take this many times the expected time to the target, because seeds and the load of the machine
 /// differ.
 constexpr double ample = 2;
-/// The shortest budget of a final run [s]: a machine that halts a process for some milliseconds must not end it before the target.
+/// The shortest budget of a final run [s]: a machine that halts a process for some milliseconds must not end it before
+/// the target.
 constexpr double shortest_final = 0.1;
 
 /// The methods that are searched. Throws InputError if a label or a variation is wrong.
@@ -136,8 +137,9 @@ private:
                 fmt::format("the search among settings of {} ended early", method.space.base().text()));
     }
 
-    /// The budgets of the final runs: each method, the most promising first, has what it needs, but at most half of what is left;
-    /// the last one may have all. The defaults of a method have the budget of its best settings, and come last.
+    /// The budgets of the final runs: each method, the most promising first, has what it needs, but at most half of
+    /// what is left; the last one may have all. The defaults of a method have the budget of its best settings, and come
+    /// last.
     void plan_finals() {
         double left = std::max(0.0, seconds() - runs_.used()) / fewest_seeds;
         const std::size_t bests = result_.finals.size();

@@ -68,7 +68,8 @@ std::string extrapolated_text(const Verdict& verdict) {
 }
 
 /// "5 % after 1.32 s (1.20 to 1.45), measured", "5 % after at least 17.9 s, extrapolated from 8 % after 4 s", "5 % not
-/// reached: 6 % after 4 s", "5 % not reached: these settings have a floor of 16.1 (15.8 to 16.4) %, 16.3 % after 3 s".
+/// reached: 6 % after 4 s", "5 % not reached: these settings have an error floor of 16.1 (15.8 to 16.4) %, 16.3 % after
+/// 3 s".
 std::string time_text(const TuningResult& result, const FinalSetting& f) {
     const Verdict& verdict = f.verdict;
     const std::string end =
@@ -86,7 +87,7 @@ std::string time_text(const TuningResult& result, const FinalSetting& f) {
                                 : fmt::format("{}{}, extrapolated from {}{}", result.target, time, end, runs);
         }
         case Verdict::not_reachable:
-            return fmt::format("{} not reached: these settings have a floor of {} %, {}{}", result.target,
+            return fmt::format("{} not reached: these settings have an error floor of {} %, {}{}", result.target,
                                with_interval(verdict.floor, percent), end, runs);
         case Verdict::no_image:
             break;
@@ -94,14 +95,14 @@ std::string time_text(const TuningResult& result, const FinalSetting& f) {
     return "no run was measured";
 }
 
-/// The same, and what the method leaves out.
+/// time_text() and the light that the method leaves out.
 std::string verdict_text(const TuningResult& result, const FinalSetting& f) {
     const std::string left_out = words_of(result.methods[f.method].left_out);
     return time_text(result, f) + (left_out.empty() ? "" : ", leaves out " + left_out);
 }
 
-/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over 3.00 times
-/// as long".
+/// How long a setting takes beside `best`, which has reached the target: "1.50 (1.43 to 1.57) times as long", "over
+/// 3.00 times as long".
 std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
     if (setting.verdict.state == Verdict::no_image) return "not measured";
     if (setting.verdict.state != Verdict::measured) {
@@ -115,7 +116,8 @@ std::string factor_text(const FinalSetting& setting, const FinalSetting& best) {
         factor.interval = Interval{factor.value * std::exp(-half), factor.value * std::exp(half)};
     }
     const bool is_tie = !factor.interval || (factor.interval->lo <= 1 && factor.interval->hi >= 1);
-    return fmt::format("{} times as long{}", with_interval(factor), is_tie ? ", cannot be told from the best" : "");
+    return fmt::format("{} times as long{}", with_interval(factor),
+                       is_tie ? ", not significantly different from the best" : "");
 }
 
 /// The lines between the label to paste and the verdicts.

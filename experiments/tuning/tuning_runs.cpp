@@ -23,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The reference goes on while its error is above this share of the target. Nothing is judged if it ends above the larger one: its
-/// variance is subtracted from squared errors, but is itself known only to some per cent, and is then as large as what is left.
+/// The reference goes on while its error is above this share of the target. There is no tuning if it ends above the
+/// larger one: its variance is subtracted from squared errors, but is itself known only to some per cent, and can be as
+/// large as the remaining error.
 constexpr double wanted_reference_error = 0.5, most_reference_error = 0.7;
 
 /// Text as a TOML basic string.
@@ -42,8 +43,8 @@ std::string method_table(const MethodLabel& label) {
     return text;
 }
 
-/// The label with more passes than any budget lets a cell make, and with its numbers as TOML has them: as typed, but for those
-/// such as .5, 1. and 05.
+/// The label with more passes than any budget lets a cell make, and with its numbers as TOML has them: as typed, but
+/// for those such as .5, 1. and 05.
 MethodLabel endless(MethodLabel label) {
     static const std::regex toml_number("-?(0|[1-9][0-9]*)([.][0-9]+)?([eE][+-]?[0-9]+)?");
     for (auto& [name, value] : label.values)
@@ -95,7 +96,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
     RunScene& scene = session_->setup.scenes.front();
     const double target = parse_target(file_.target), wanted_error = wanted_reference_error * target,
                  most_error = most_reference_error * target;
-    std::optional<double> error;  // of the light that is judged; none: there is none
+    std::optional<double> error;  // relative standard error; none: the reference samples no light
     for (const double limit : {seconds, most_seconds}) {
         scene.entry.goal.seconds = limit;
         session_->make_references();
@@ -109,7 +110,7 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         scene.entry.goal.target = wanted_error;  // what it goes on for
     }
     session_->write_index();  // with the notes on the reference
-    if (!error) return "the reference resolves no light of the scene";
+    if (!error) return "the reference samples no light of the scene";
     if (*error <= most_error) return "";
     const Experiment& head = file_.head;
     std::string command = fmt::format("gibench reference {} --target {:.3g}%", scene_.path, 25 * target);
@@ -119,8 +120,9 @@ std::string TuningRuns::make_reference(double seconds, double most_seconds) {
         command += " -a " + folder;
     const std::string key = reference_key(scene.content_hash, session_->setup.experiment.reference_method);
     return fmt::format(
-        "the reference does not resolve {}: its own error is {:.3g} %, and has to be {:.3g} % at most. This makes it "
-        "better, and the same tuning then takes it:\n{} -o {}",
+        "the reference's noise hides {}: its own error is {:.3g} %, and has to be {:.3g} % at most. This command "
+        "improves "
+        "it; repeat the tuning after it:\n{} -o {}",
         file_.target, 100 * *error, 100 * most_error, command, cached_reference_path(key));
 }
 

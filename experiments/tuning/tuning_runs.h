@@ -1,6 +1,6 @@
 #pragma once
-// The runs of a tuning. All of them stand in one result folder: those that choose settings under names of their own, and at
-// the end an experiment of the best settings. A run that was measured before an interruption is found again and counts
+// The runs of a tuning, in one result folder: those that choose settings, under names of their own, and at the end an
+// experiment of the best settings. A run that was measured before an interruption is found again and counts
 // with the seconds in its record.
 
 #include "experiments/plan/experiment_file.h"
@@ -21,9 +21,9 @@ public:
     TuningRuns(const TuneFile& file, const ExperimentScene& scene, const RunOptions& options,
                const std::vector<MethodLabel>& methods);
 
-    /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. If it is above half
-    /// of the target then, the reference goes on to `most_seconds` at most. Returns the words that say why it does not resolve the
-    /// target (it is above seven tenths of it); empty: it does. Throws RunError if it cannot be made.
+    /// Makes the reference, whose standard error is to be a quarter of the target, in at most so many seconds. If it is
+    /// still above half of the target, the reference goes on to `most_seconds` at most. Returns a message if it stays
+    /// above seven tenths of the target, else an empty text. Throws RunError if it cannot be made.
     std::string make_reference(double seconds, double most_seconds);
 
     struct Wanted {
@@ -35,12 +35,14 @@ public:
         std::optional<Cell> cell;  ///< empty: it failed or was left out
         bool is_left_out = false;  ///< for lack of time
     };
-    /// Measures what is not stored yet, in this order, and begins nothing when used() is `deadline`. Throws Interrupted.
+    /// Measures what is not stored yet, in this order, and begins nothing when used() is `deadline`. Throws
+    /// Interrupted.
     std::vector<Run> measured(const std::vector<Wanted>& wanted, double deadline);
 
-    /// From here on, runs are those of an experiment of these labels with the seeds 1 to `seeds`, each with its own budget.
+    /// From here on, runs are those of an experiment of these labels with the seeds 1 to `seeds`, each with its own
+    /// budget.
     void begin_experiment(const std::vector<MethodLabel>& labels, const std::vector<double>& budgets, int seeds);
-    /// Writes tune.json and then tables and report of that experiment. Returns the report's path.
+    /// Writes tune.json, tables and report of that experiment. Returns the report's path.
     std::string write_results(const std::string& tune_json);
 
     /// Seconds since the beginning, and those of the runs that were stored before.

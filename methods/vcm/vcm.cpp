@@ -112,9 +112,8 @@ MethodDescription describe_vcm() {
     return {
         .name = "vcm",
         .sentence = "bidirectional path tracing that also merges nearby vertices: consistent, resolves all light paths",
-        .parameters = {choice_parameter(
-                           "techniques", strings(subset_names),
-                           "the ways in which paths are made; remainder: the part that merging alone makes"),
+        .parameters = {choice_parameter("techniques", strings(subset_names),
+                                        "the ways in which paths are made; remainder: light that only merging finds"),
                        point_set_parameter(), alpha_parameter(), first_radius_parameter("radius", "on surfaces", most),
                        first_radius_parameter("volume_radius", "in media", most),
                        choice_parameter("kernel", strings(kernel_names), "weight of a vertex by its distance"),

@@ -8,7 +8,7 @@
 #include "experiments/metrics/denominators.h"
 #include "experiments/metrics/epsilon.h"
 #include "experiments/plan/label_checks.h"
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 #include "experiments/references/store.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/driver_fixtures.h"
@@ -109,8 +109,8 @@ TEST_F(ReferenceCacheTest, AnotherSceneIsNoticed) {
 }
 
 // Two reference methods. One lacks a fiftieth of the light, too little for the pilot to find.
-TEST_F(ReferenceCacheTest, AMakerThatLacksLightIsLeftOut) {
-    const auto maker = []<int percent>(std::integral_constant<int, percent>, const char* name) {
+TEST_F(ReferenceCacheTest, AMethodThatLacksLightIsLeftOut) {
+    const auto named_method = []<int percent>(std::integral_constant<int, percent>, const char* name) {
         MethodDescription method = fake_method();
         method.name = name;
         method.create = [](const ParameterValues&, const MethodDefaults&) -> std::unique_ptr<Method> {
@@ -118,8 +118,8 @@ TEST_F(ReferenceCacheTest, AMakerThatLacksLightIsLeftOut) {
         };
         return method;
     };
-    const MethodDescription whole = maker(std::integral_constant<int, 100>(), "whole"),
-                            lacking = maker(std::integral_constant<int, 98>(), "lacking");
+    const MethodDescription whole = named_method(std::integral_constant<int, 100>(), "whole"),
+                            lacking = named_method(std::integral_constant<int, 98>(), "lacking");
     const ReferenceWork work{.scene = scene_,
                              .methods = {&lacking, &whole},
                              .label = {"auto", {}},
@@ -131,7 +131,7 @@ TEST_F(ReferenceCacheTest, AMakerThatLacksLightIsLeftOut) {
     EXPECT_NEAR(mean_of(r.reference.total.mean)[0], 1, 0.001);
     EXPECT_LE(r.relative_error, 0.002);
     EXPECT_TRUE(r.reference.unresolved.empty());
-    const MakerShare& share = shares_in(r.reference.metadata.at("makers")).at(0);
+    const MethodShare& share = shares_in(r.reference.metadata.at("makers")).at(0);
     EXPECT_EQ(share.weights[static_cast<std::size_t>(index_of(Component::direct))], 0) << share.method;
 }
 
@@ -379,7 +379,7 @@ TEST_F(ReferenceBatchesTest, WhatIsShortIsDoneByTheProcessItself) {
 // probability of 99.9 %.
 TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
     constexpr std::uint32_t rounds = 4, passes = 4;
-    const BatchFolder batches(folder_ / "n.exr.batches");
+    const BatchFolder batches(folder_ / "n.exr");
     const auto error_of = [&](std::uint32_t first, std::uint32_t count) {
         ReferenceGroups groups;
         for (std::uint32_t round = first; round < first + count; ++round) {
@@ -399,7 +399,7 @@ TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
 }
 
 // Several reference methods share the work of a unit, so that few units are enough.
-TEST(StoredReference, OfSeveralMakersIsNotToppedUpWithoutNeed) {
+TEST(StoredReference, OfSeveralMethodsIsNotToppedUpWithoutNeed) {
     const TemporaryFolder folder;
     const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{24, 24}}, {}});
     const MethodLabel label{"auto", {}};

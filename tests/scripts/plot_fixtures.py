@@ -40,7 +40,7 @@ TABLE = TABLE_HEAD + table_line(
     scene="box", method="path spp=4", component="direct", seconds=16, rel_mse_corrected=0.0025, rel_mse_resolved=0.01,
     bias2=1e-06, bias2_lo=5e-07, bias2_hi=2e-06, variance=0.0004, variance_lo=0.0003, variance_hi=0.0005,
     bias_state="unbiased", seconds_to_5pct=1.5, seconds_to_5pct_state="measured", seconds_to_2pct_state="not reached",
-    seconds_to_1pct_state="not resolved") + table_line(
+    seconds_to_1pct_state="below the reference's noise") + table_line(
     **TOTAL, method="photon_mapper photons=1e4 & 50%", seconds=32, bias2=0.0002, bias2_lo=0.0001, bias2_hi=0.0004,
     variance=0.00012345, variance_lo=0.0001, variance_hi=0.0002, seconds_to_5pct=12.34, seconds_to_5pct_state="measured",
     seconds_to_2pct=1234567, seconds_to_2pct_state="measured", seconds_to_1pct_state="never",

@@ -87,7 +87,7 @@ class PlotTest(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(out)), ["table-box-direct.tex"])
         self.assertIn("no error figure: curves.csv has no components", run.stderr)
         direct = content(out)["table-box-direct.tex"]
-        self.assertIn(b"1.50 & not reached & not resolved", direct)
+        self.assertIn(b"1.50 & not reached & below the reference's noise", direct)
         self.assertIn(b"& unbiased &", direct)
         self.assertIn(b"& $<$10.00 &", direct, "its error is not resolved")
 

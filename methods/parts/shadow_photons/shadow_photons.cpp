@@ -62,7 +62,7 @@ void add_shadow_map(Plan& plan, const Scene& scene, std::uint64_t photons) {
     std::string reason;
     if (photons == 0) reason = "no photons are asked for";
     else if (!plan.runs(step_light_sampling)) reason = "lights are not sampled";
-    else if (scene.has_media()) reason = "media dim light on its way, which only rays can tell";
+    else if (scene.has_media()) reason = "media attenuate light, and only rays account for it";
     plan.add(step_shadow_map, reason);
 }
 

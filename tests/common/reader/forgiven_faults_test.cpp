@@ -130,7 +130,7 @@ TEST(ForgivenFaults, AFileWithoutAVersionHasThatOfItsNames) {
     // A spectrum of one number is grey in version 0.6 and reddish in version 3.
     const auto radiance_of = [](const std::string& more) {
         const LoadedScene loaded = load_version("", shape("sphere", emitter("area", spectrum("radiance", 1))) + more);
-        EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("the file does not tell its version")));
+        EXPECT_THAT(loaded.warnings, ElementsAre(HasSubstr("the file states no version")));
         return std::get<AreaLight>(loaded.scene->lights()[0]).radiance;
     };
     const Color grey = radiance_of(shape("cube", flag("flipNormals"))),

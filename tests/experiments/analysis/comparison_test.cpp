@@ -33,7 +33,7 @@ TEST(EqualTime, ComparesErrorsAfterTheWholeTimeOfTheFastest) {
     EXPECT_NEAR(rows[0].ranking[1].mean, 4e-4 / 16, 1e-12);
     EXPECT_EQ(rows[0].ranking[2].standing, Standing::no_image) << "none after 16 s";
     EXPECT_THAT(markdown_table(analysis),
-                HasSubstr("| box | total | 16.0 | photons | 0.25 | one seed does not tell | path: 2.00; slow_start: "
+                HasSubstr("| box | total | 16.0 | photons | 0.25 | inconclusive: one seed | path: 2.00; slow_start: "
                           "no image yet; first after 64.0 s |"));
 }
 
@@ -74,7 +74,7 @@ TEST(ParetoFrontier, IsOfTheCheckpointsThatNoOtherBeats) {
     EXPECT_THAT(found, ElementsAre(Point("quick", 1), Point("quick", 2), Point("slow", 4), Point("slow", 8),
                                    Point("slow", 16)));
     EXPECT_EQ(frontier[3].most_passes, 2u);
-    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | 8.00 | 0.35 | 2 | slow | one seed does not tell |"));
+    EXPECT_THAT(markdown_table(analysis), HasSubstr("| box | 8.00 | 0.35 | 2 | slow | inconclusive: one seed |"));
     analysis.cells.resize(1);
     EXPECT_TRUE(pareto_frontier(analysis).empty());
 }

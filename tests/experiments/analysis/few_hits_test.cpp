@@ -2,7 +2,7 @@
 #include "experiments/metrics/few_hits.h"
 
 #include "experiments/analysis/row_fields.h"
-#include "experiments/analysis/unmet_light.h"
+#include "experiments/analysis/unsampled_light.h"
 #include "tests/support/table_fixtures.h"
 
 #include <gtest/gtest.h>

@@ -108,7 +108,7 @@ TEST(Verdicts, NeverNameAMethodThatLeavesOutLightOfAComponent) {
     EXPECT_THAT(markdown_table(analysis), HasSubstr("| light of caustic, indirect |"));
 }
 
-TEST(Verdicts, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
+TEST(Verdicts, NameNoMethodWhereAPartOfTheLightHasNoVerdict) {
     Analysis analysis = crossing();
     analysis.references.emplace_back();
     analysis.references[0].scene = "box";
@@ -116,7 +116,7 @@ TEST(Verdicts, NameNoMethodWhereAPartOfTheLightIsNotJudged) {
     const auto rows = verdict(analysis, "box");
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].method, "");
-    EXPECT_EQ(rows[0].remark, "the reference does not judge the light of caustic");
+    EXPECT_EQ(rows[0].remark, "the reference is incomplete or contradicted in caustic");
     EXPECT_TRUE(crossovers(analysis).empty());
     EXPECT_TRUE(pareto_frontier(analysis).empty());
     for (const EqualTimeRow& row : equal_time_rows(analysis))
@@ -137,31 +137,31 @@ TEST(Verdicts, GiveTheClosestTheErrorOfItsFinalImages) {
     EXPECT_NEAR(std::sqrt(rows[0].error.value), final_error, 1e-9);
 }
 
-TEST(FootingWarnings, CompareMethodsWhereTheReferenceCannotJudge) {
+TEST(BalanceWarnings, CompareMethodsWhereTheReferenceIsInconclusive) {
     Analysis analysis;
     analysis.index.seeds = 4;
     const Estimate unknown{0.1, Interval{-0.2, 0.4}};
     for (const auto& [method, energy, deviation] :
          {std::tuple{"a", 1.0, 0.0005}, {"b", 1.03, 0.0005}, {"c", 1.002, 0.0005}, {"d", 1.4, 0.5}}) {
         analysis.rows.push_back(row_of(method, Layer::indirect));
-        analysis.rows.back().footing =
-            Footing{{energy, {deviation * deviation, 3}}, 1, unknown, FootingVerdict::unresolved};
+        analysis.rows.back().balance =
+            EnergyBalance{{energy, {deviation * deviation, 3}}, 1, unknown, BalanceVerdict::inconclusive};
     }
-    const auto warnings = footing_warnings(analysis);
+    const auto warnings = balance_warnings(analysis);
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_EQ(warnings[0].kind, Warning::Kind::energy_differs);
-    EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("`indirect` differs between methods"), HasSubstr("b has +3.00 %"),
-                                            HasSubstr("over a")));
-    analysis.rows[1].footing->excess.interval.reset();
-    EXPECT_EQ(footing_warnings(analysis).size(), 0u) << "all images of b are equal: they have missed the same paths";
-    analysis.rows[1].footing->excess.interval = unknown.interval;
+    EXPECT_THAT(warnings[0].sentence, AllOf(HasSubstr("methods differ in mean energy of `indirect`"),
+                                            HasSubstr("b has +3.00 %"), HasSubstr("over a")));
+    analysis.rows[1].balance->excess.interval.reset();
+    EXPECT_EQ(balance_warnings(analysis).size(), 0u) << "all images of b are equal: they have missed the same paths";
+    analysis.rows[1].balance->excess.interval = unknown.interval;
     analysis.rows[1].effects_missing = {Effect::refraction};
-    EXPECT_EQ(footing_warnings(analysis).size(), 0u) << "b leaves out light, which is no disagreement";
+    EXPECT_EQ(balance_warnings(analysis).size(), 0u) << "b leaves out light, which is no disagreement";
     analysis.rows[1].effects_missing = {};
     analysis.rows[1].components_missing = {Component::caustic, Component::indirect};
-    EXPECT_EQ(footing_warnings(analysis).size(), 0u);
+    EXPECT_EQ(balance_warnings(analysis).size(), 0u);
     analysis.rows[1].components_missing = {Component::caustic};
-    EXPECT_EQ(footing_warnings(analysis).size(), 1u) << "it has all light of this component";
+    EXPECT_EQ(balance_warnings(analysis).size(), 1u) << "it has all light of this component";
 }
 
 }  // namespace

@@ -53,7 +53,10 @@ int named(float a, float b, double seed_noise, int seeds, double reference_error
             contenders.push_back(contender(images, reference));
         }
         set_scatter(contenders);
-        count += are_told_apart(contenders[0], contenders[1]) || are_told_apart(contenders[1], contenders[0]) ? 1 : 0;
+        count +=
+            differ_significantly(contenders[0], contenders[1]) || differ_significantly(contenders[1], contenders[0])
+                ? 1
+                : 0;
     }
     return count;
 }

@@ -57,8 +57,8 @@ TEST_F(ExternalRun, ARightRendererHasARowLikeAnyOther) {
     EXPECT_THAT(gibench("run --repeat results/e").out, HasSubstr("6 of 6 identical"));
 }
 
-// The seeds are fixed; each verdict of equal footing has a 99 % interval.
-TEST_F(ExternalRun, ARendererThatIsTwoPercentTooDarkIsToldByEqualFooting) {
+// The seeds are fixed; each verdict of equal balance has a 99 % interval.
+TEST_F(ExternalRun, ARendererThatIsTwoPercentTooDarkIsToldByEnergyBalance) {
     write_methods(toy("right", "spp = 256\n") + toy("dark", "spp = 256\n"), 5, "0.1%");
     ASSERT_THAT(run(), exits(0));
     EXPECT_EQ(field("dark spp=256", "footing"), "differs");
@@ -75,7 +75,7 @@ TEST_F(ExternalRun, SeedsThatMakeOneImageCountAsOne) {
     write_methods(fixed, 3);
     ASSERT_THAT(run(), exits(0));
     EXPECT_EQ(field("right spp=4", "seeds"), "1");
-    EXPECT_EQ(field("right spp=4", "footing"), "unresolved");
+    EXPECT_EQ(field("right spp=4", "footing"), "inconclusive");
     EXPECT_THAT(read_file(results("table.md")), HasSubstr("all seeds of right spp=4 have the same image"));
 }
 

@@ -136,7 +136,7 @@ TEST_F(FilterErrors, AreToldWhereTheyStand) {
     says("filter = 'oidn {image} {out} {color}'\n",
          "e.toml:7:10: the placeholder {color} has no value: there are image, albedo");
     says("spp = 2\nfilter = 'nlm'\n",
-         "e.toml:5:1: the filter takes the passes apart, by which it tells noise: 'spp' has to be 4");
+         "e.toml:5:1: the filter estimates noise from halves of the passes: 'spp' has to be 4");
     says("spp = 1\nfilter = 'x {image} {variance} {out}'\n", "'spp' has to be 2");
     says("[[method]]\nname = 'radiosity'\nfilter = 'nlm'\n", "e.toml:7:1: a filter takes two halves of the passes");
     EXPECT_THAT(gibench("render tiny.xml --method 'path filter=oidn' -o x.exr"),

@@ -1,6 +1,6 @@
 // How often intervals contain the truth if few bright pixels carry the error, as those of caustics and of the edges of
 // lamps do. With normal noise in all pixels, statistics_test.cpp tests the same.
-#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/energy_balance.h"
 #include "experiments/metrics/price_law.h"
 #include "experiments/metrics/statistics.h"
 
@@ -194,7 +194,7 @@ TEST_P(Coverage, OfTheEnergyIsThatOfNinetyNinePercent) {
     int hits = 0;
     for (int i = 0; i < experiments; ++i) {
         const Replicates r(GetParam(), random, 3, false);
-        hits += contains(equal_footing(r.images, r.reference, r.reference.mean)->excess.interval, 0);
+        hits += contains(energy_balance(r.images, r.reference, r.reference.mean)->excess.interval, 0);
     }
     EXPECT_GE(hits, least_hits(GetParam() == Noise::lognormal ? 0.985 : 0.99, experiments));
 }

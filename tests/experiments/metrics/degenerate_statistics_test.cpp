@@ -4,7 +4,7 @@
 #include "common/core/error.h"
 #include "common/images/film.h"
 #include "common/images/image_file.h"
-#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/energy_balance.h"
 #include "experiments/metrics/flip.h"
 #include "experiments/metrics/spectrum.h"
 #include "experiments/program/compare.h"
@@ -167,7 +167,7 @@ TEST_F(DegenerateImages, AReferenceOfZeroGivesNumbers) {
     for (const char* zero : {"mse", "rmse", "rel_mse", "rel_mse_corrected", "rel_mse_median", "flip"})
         EXPECT_EQ(equal[zero], 0) << zero;
     EXPECT_TRUE(equal["rel_mse_top_share"].is_null());
-    EXPECT_FALSE(equal_footing({constant(0.5f)}, {constant(0), {}, {}}, constant(0)));
+    EXPECT_FALSE(energy_balance({constant(0.5f)}, {constant(0), {}, {}}, constant(0)));
 }
 
 TEST_F(DegenerateImages, OfOnePixelHaveTheirErrorsAndNoSpectrum) {

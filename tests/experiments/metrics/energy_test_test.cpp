@@ -65,12 +65,12 @@ ReferenceLayer reference_of(double energy) {
 
 std::optional<EnergyTest> tested(const std::vector<Image>& images, const SampledLight& sampled,
                                  const ReferenceLayer& reference) {
-    double unmet = 0;
+    double unsampled = 0;
     for (std::size_t i = 0; i < reference.mean.rgb.size(); ++i)
         if (std::ranges::all_of(images, [i](const Image& x) { return x.rgb[i] == 0.f; }))
-            unmet += double{reference.mean.rgb[i]} / static_cast<double>(reference.mean.rgb.size());
-    const auto footing = equal_footing(images, reference, reference.mean);
-    return energy_test(images, sampled, reference, *footing, unmet, alpha);
+            unsampled += double{reference.mean.rgb[i]} / static_cast<double>(reference.mean.rgb.size());
+    const auto balance = energy_balance(images, reference, reference.mean);
+    return energy_test(images, sampled, reference, *balance, unsampled, alpha);
 }
 
 TEST(EnergyTest, ThreeRunsShowALossOfThreePercent) {

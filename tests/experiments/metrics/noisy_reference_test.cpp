@@ -1,16 +1,16 @@
-// Judgements by a noisy reference: equal footing, where images that are too bright or too dark are found and images that
+// Judgements by a noisy reference: equal balance, where images that are too bright or too dark are found and images that
 // are only noisy or blurred are not; the epsilon of relative errors, by which no relative number depends on the unit of
 // light; and the bias that a reference knows, in its file and in what is judged by it.
 
+#include "experiments/metrics/energy_balance.h"
 #include "experiments/metrics/epsilon.h"
-#include "experiments/metrics/equal_footing.h"
 #include "experiments/metrics/robust_error.h"
 #include "experiments/metrics/statistics.h"
 #include "experiments/metrics/z_statistic.h"
 
 #include "common/core/math.h"
 #include "common/images/image_file.h"
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 #include "tests/support/constant_image.h"
 #include "tests/support/scene_text.h"
 
@@ -42,66 +42,66 @@ struct Footed {
     explicit Footed(std::uint64_t seed, double mean = 0.5, double deviation = 0.05)
         : random(seed), reference(layer_of_groups(noisy_images(random, reference_groups, mean, deviation))) {}
     /// Checks `seeds` images, whose mean has the relative standard error deviation / (mean sqrt(3072 seeds)).
-    std::optional<Footing> check(double mean, double deviation, int seeds) {
-        return equal_footing(noisy_images(random, seeds, mean, deviation), reference, reference.mean);
+    std::optional<EnergyBalance> check(double mean, double deviation, int seeds) {
+        return energy_balance(noisy_images(random, seeds, mean, deviation), reference, reference.mean);
     }
 };
 
-TEST(EqualFooting, FindsOnePercentTooMuchLight) {
+TEST(EnergyBalance, FindsOnePercentTooMuchLight) {
     for (const double factor : {1.01, 0.99, 1.2}) {
         Footed scene(1);
-        const auto footing = scene.check(0.5 * factor, 0.1, 5);
-        ASSERT_TRUE(footing && footing->excess.interval);
-        EXPECT_EQ(footing->verdict, FootingVerdict::differs) << factor;
-        EXPECT_NEAR(footing->excess.value, factor - 1, 0.006);
+        const auto balance = scene.check(0.5 * factor, 0.1, 5);
+        ASSERT_TRUE(balance && balance->excess.interval);
+        EXPECT_EQ(balance->verdict, BalanceVerdict::differs) << factor;
+        EXPECT_NEAR(balance->excess.value, factor - 1, 0.006);
     }
 }
 
 // A method that is 1 % too bright passes as agreeing in less than 0.5 % of the experiments, however noisy: 10 of
 // 2000, to which 4 standard errors are added. A right method is accused in less than 1 %: 20, and 4 standard errors.
-TEST(EqualFooting, ErrsAsSeldomAsItSays) {
+TEST(EnergyBalance, ErrsAsSeldomAsItSays) {
     for (const double deviation : {0.1, 0.5, 2.0}) {
         Footed scene(2);
         int passed = 0, accused = 0;
         constexpr int experiments = 2000;
         for (int i = 0; i < experiments; ++i) {
-            passed += scene.check(0.505, deviation, 3)->verdict == FootingVerdict::agrees;
-            accused += scene.check(0.5, deviation, 3)->verdict == FootingVerdict::differs;
+            passed += scene.check(0.505, deviation, 3)->verdict == BalanceVerdict::agrees;
+            accused += scene.check(0.5, deviation, 3)->verdict == BalanceVerdict::differs;
         }
         EXPECT_LE(passed, 10 + 4 * 3.2) << deviation;
         EXPECT_LE(accused, 20 + 4 * 4.5) << deviation;
     }
 }
 
-TEST(EqualFooting, SaysWhenItCannotTell) {
+TEST(EnergyBalance, SaysWhenItCannotTell) {
     Footed scene(3);
-    EXPECT_EQ(scene.check(0.5, 0.05, 4)->verdict, FootingVerdict::agrees);
-    EXPECT_EQ(scene.check(0.5, 5, 4)->verdict, FootingVerdict::unresolved);
+    EXPECT_EQ(scene.check(0.5, 0.05, 4)->verdict, BalanceVerdict::agrees);
+    EXPECT_EQ(scene.check(0.5, 5, 4)->verdict, BalanceVerdict::inconclusive);
     const auto one = scene.check(0.5, 0.05, 1);
-    EXPECT_EQ(one->verdict, FootingVerdict::unresolved) << "one seed has no error";
+    EXPECT_EQ(one->verdict, BalanceVerdict::inconclusive) << "one seed has no error";
     EXPECT_FALSE(one->excess.interval.has_value());
-    EXPECT_EQ(scene.check(NAN, 0.05, 3)->verdict, FootingVerdict::differs) << "not finite is not hidden";
+    EXPECT_EQ(scene.check(NAN, 0.05, 3)->verdict, BalanceVerdict::differs) << "not finite is not hidden";
 }
 
 // No image has less than no light, so that no interval begins below that.
-TEST(EqualFooting, FindsNoLessThanNoLight) {
+TEST(EnergyBalance, FindsNoLessThanNoLight) {
     Footed scene(5, 0.5, 5);
     const Image black(32, 32);
-    const auto none = equal_footing({black, black, black}, scene.reference, scene.reference.mean);
+    const auto none = energy_balance({black, black, black}, scene.reference, scene.reference.mean);
     EXPECT_EQ(none->excess.interval->lo, -1);
-    EXPECT_EQ(none->verdict, FootingVerdict::differs);
+    EXPECT_EQ(none->verdict, BalanceVerdict::differs);
     const auto little = scene.check(0.1, 2, 2);
     ASSERT_GT(little->energy.value, 0);
     EXPECT_GE(little->excess.interval->lo, -1 - 1e-12);
 }
 
-TEST(EqualFooting, MeasuresFaintComponentsAgainstTheWhole) {
+TEST(EnergyBalance, MeasuresFaintComponentsAgainstTheWhole) {
     Footed faint(4, 1e-4, 1e-6), whole(4, 1.0);
     const std::vector<Image> images = noisy_images(faint.random, 3, 2e-4, 1e-6);
     // The component has twice its light, which is only a hundredth of a percent of the whole.
-    EXPECT_NEAR(equal_footing(images, faint.reference, whole.reference.mean)->excess.value, 0.01, 1e-4);
+    EXPECT_NEAR(energy_balance(images, faint.reference, whole.reference.mean)->excess.value, 0.01, 1e-4);
     const Image black(32, 32);
-    EXPECT_FALSE(equal_footing({black, black}, {black, {}, {}}, black).has_value());
+    EXPECT_FALSE(energy_balance({black, black}, {black, {}, {}}, black).has_value());
 }
 
 /// Images of radiance `mean` with noise of a fifth of it, darker from left to right, times `unit`.
@@ -219,16 +219,16 @@ TEST(ReferenceBias, WidensEveryInterval) {
     ReferenceLayer r = layer(0.05, 0.05, 1), x = layer(0, 0, 2);
     x.bias.clear();
     const auto verdict = [&] { return verdict_of({{"total", z_test(x, r, r.mean)}}, {}); };
-    const auto footing = [&] { return equal_footing(x.groups, r, r.mean)->verdict; };
+    const auto balance = [&] { return energy_balance(x.groups, r, r.mean)->verdict; };
     const auto bias2 = [&] { return replicate_statistics(x.groups, r, {r, 0.01}).bias2->interval->lo; };
     EXPECT_FALSE(verdict().differs);
-    EXPECT_NE(footing(), FootingVerdict::differs);
+    EXPECT_NE(balance(), BalanceVerdict::differs);
     EXPECT_LE(bias2(), 0);
     EXPECT_NEAR(image_error(x.mean, r, {r, 0.01}).mse_corrected, 0, 2e-3);
     const double floor = noise_floor_of(r, {r, 0.01});
     r.bias.clear();
     EXPECT_TRUE(verdict().differs);
-    EXPECT_EQ(footing(), FootingVerdict::differs);
+    EXPECT_EQ(balance(), BalanceVerdict::differs);
     EXPECT_GT(bias2(), 0);
     EXPECT_NEAR(floor - noise_floor_of(r, {r, 0.01}), 0.05 * 0.05 / (1.05 * 1.05 + 0.01), 3e-4);
 }

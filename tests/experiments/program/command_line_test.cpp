@@ -122,7 +122,7 @@ TEST_F(CommandLineTest, SearchesFoldersAndWarns) {
 
 TEST_F(CommandLineTest, PlanSaysWhatAMethodCannotSample) {
     const std::string glass = "plan '" + source_path("scenes/cornell-glass.xml") + "' --method ";
-    EXPECT_THAT(run(glass + "light_tracer").out, HasSubstr("unresolved: caustic\n"));
+    EXPECT_THAT(run(glass + "light_tracer").out, HasSubstr("not sampled: caustic\n"));
     EXPECT_THAT(run(glass + "bidirectional").out, Not(HasSubstr("unresolved")));
 }
 
@@ -133,9 +133,9 @@ TEST_F(CommandLineTest, NamesTheWrongWordAndTheLikelyRightOne) {
           {"list parameters", "gibench list has no command 'parameters'. There are: methods, "},
           {"list", "gibench list needs a command; there are: methods, scenes, effects"},
           {"render tiny.xml --method path spp=16 -o a.exr",
-           "gibench render: 'spp=16' is not expected; a label stands in quotes: --method \"NAME spp=16\""},
+           "gibench render: 'spp=16' is not expected; put a label in quotes: --method \"NAME spp=16\""},
           {"render tiny.xml --spp 4 --method path -o a.exr",
-           "gibench render: '--spp' is not expected; parameters stand in the label"},
+           "gibench render: '--spp' is not expected; parameters belong in the label"},
           {"run --seed 3 e.toml", "gibench run: '--seed' is not expected; did you mean '--seeds'?"}})
         EXPECT_THAT(run(arguments), exits(2, StartsWith(error)));
     for (const auto& [arguments, error] :

@@ -13,7 +13,7 @@ namespace {
 // A third of the work that the pilot foresees, in a power of two of passes; 1e8 rays and samples at most; a third of the time
 // that is left.
 TEST(ReferenceSchedule, BeginsWithAShareOfTheForeseenWork) {
-    const std::vector<MakerShare> shares = {{"a", 2, {}}};
+    const std::vector<MethodShare> shares = {{"a", 2, {}}};
     const ReferenceGoal target{0.01, std::nullopt}, limited{0.01, 11};
     ReferenceState state{.seconds = 2, .pilot_seconds = 2, .pilot_work = 1e6, .unit_work = 1e5, .foreseen_work = 1e7};
     EXPECT_EQ(ReferenceSchedule(target).next_passes(state, shares), 32u);
@@ -27,12 +27,12 @@ TEST(ReferenceSchedule, BeginsWithAShareOfTheForeseenWork) {
 TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
     const ReferenceGoal goal{0.01, std::nullopt};
     const ReferenceSchedule schedule(goal);
-    const std::vector<MakerShare> shares = {{"a", 2, {}}, {"b", 0, {}}, {"c", 1, {}}};
+    const std::vector<MethodShare> shares = {{"a", 2, {}}, {"b", 0, {}}, {"c", 1, {}}};
     const ReferenceState state{.rounds = 5, .passes = 16, .error = 0.0199, .work = 1e6, .seconds = 3};
     EXPECT_EQ(schedule.next_passes(state, shares), 16u) << "at most as many as before";
     const auto batches = schedule.next_batches(state, shares);
-    ASSERT_EQ(batches.size(), 2u * reference_groups) << "no batch of a maker without a share";
-    EXPECT_EQ(batches[1].maker, 2u);
+    ASSERT_EQ(batches.size(), 2u * reference_groups) << "no batch of a method without a share";
+    EXPECT_EQ(batches[1].method, 2u);
     const ReferenceBatch& third = batches[2];
     EXPECT_EQ(std::tuple(third.passes, third.passes_before), std::tuple(32u, 32u));
     EXPECT_EQ(third.number, 5u * reference_groups + 1);

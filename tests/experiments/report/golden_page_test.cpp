@@ -104,12 +104,12 @@ void add_facts(Analysis& analysis) {
     coarse.most_passes = 16;
     radiosity.effects_missing = {Effect::caustics, Effect::refraction};
     radiosity.components_missing = {Component::caustic};
-    radiosity.footing = Footing{{1, {}}, 1, {-0.12, Interval{-0.15, -0.09}}, FootingVerdict::differs};
-    path.footing = Footing{{1, {}}, 1, {0, Interval{-0.001, 0.001}}, FootingVerdict::agrees};
-    coarse.footing = Footing{{1, {}}, 1, {0, Interval{-0.04, 0.04}}, FootingVerdict::unresolved};
+    radiosity.balance = EnergyBalance{{1, {}}, 1, {-0.12, Interval{-0.15, -0.09}}, BalanceVerdict::differs};
+    path.balance = EnergyBalance{{1, {}}, 1, {0, Interval{-0.001, 0.001}}, BalanceVerdict::agrees};
+    coarse.balance = EnergyBalance{{1, {}}, 1, {0, Interval{-0.04, 0.04}}, BalanceVerdict::inconclusive};
     tracer.is_external = true;
     analysis.index.externals = {tracer.method};
-    row(analysis, "hall", "path spp=16").unmet = 4.25e-3;
+    row(analysis, "hall", "path spp=16").unsampled = 4.25e-3;
     row(analysis, "hall", "path spp=16").is_unbiased = true;
     row(analysis, "hall", "vcm").contradicted_in = {Layer::total, Layer::caustic};
     for (const double photons : {1e3, 1e4, 1e5}) {

@@ -52,8 +52,8 @@ TEST(Tables, WriteWhatWasMeasuredAndLeaveTheUnknownEmpty) {
     EXPECT_EQ(value("effects_missing"), "refraction;caustics");
     EXPECT_EQ(value("flip"), "0.125");
     EXPECT_THAT(markdown_table(analysis),
-                HasSubstr("| box | path | 0.500 | 4.00 (3.00 to 5.00) |  |  | bias or noise: two seeds would tell |  | "
-                          "not reached | 0 | 0.125 | refraction, caustics |"));
+                HasSubstr("| box | path | 0.500 | 4.00 (3.00 to 5.00) | needs two seeds | 0 | 0.125 | "
+                          "refraction, caustics |"));
 }
 
 // Files may have such names, and a title may have several lines.
@@ -103,10 +103,10 @@ TEST(Times, ASlopeThatThePointsDoNotDetermineIsNotPrinted) {
     TableRow r = law_row();
     EXPECT_EQ(slope_field(r).state, State::measured);
     r.law->misfit = 0.6;
-    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "the law misses a point by 60 %";
+    EXPECT_EQ(slope_field(r).state, State::inconclusive) << "the law misses a point by 60 %";
     r.law->misfit = 0;
     r.law->slope = {4, {}};
-    EXPECT_EQ(slope_field(r).state, State::cannot_be_told) << "five seeds, and no interval";
+    EXPECT_EQ(slope_field(r).state, State::inconclusive) << "five seeds, and no interval";
 }
 
 // A better method may have no time where a worse one has one: its field says why.

@@ -27,10 +27,10 @@ void brighten(const std::string& results, const std::string& method, float facto
     }
 }
 
-class FootingRun : public ::testing::Test, protected ExperimentFolder {
+class BalanceRun : public ::testing::Test, protected ExperimentFolder {
 protected:
     /// The verdicts in the rows of one method, one for each component.
-    std::vector<std::string> footings(const std::string& method) const {
+    std::vector<std::string> balances(const std::string& method) const {
         const CsvTable rows = table();
         std::vector<std::string> verdicts;
         for (std::size_t i = 0; i < rows.rows.size(); ++i)
@@ -39,37 +39,37 @@ protected:
     }
 };
 
-TEST_F(FootingRun, FlagsAMethodThatIsOnePercentTooBright) {
+TEST_F(BalanceRun, FlagsAMethodThatIsOnePercentTooBright) {
     write("e.toml",
-          "title = 'Footing'\nscenes = ['tiny.xml']\nseeds = 5\n[reference]\ntarget = '0.1%'\n"
+          "title = 'EnergyBalance'\nscenes = ['tiny.xml']\nseeds = 5\n[reference]\ntarget = '0.1%'\n"
           "[[method]]\nname = 'path'\nspp = [256, 512]\n");
     ASSERT_THAT(gibench("run e.toml"), exits(0));
     for (const char* method : {"path spp=256", "path spp=512"})
-        EXPECT_THAT(footings(method), Not(Contains(HasSubstr("differs")))) << method;
+        EXPECT_THAT(balances(method), Not(Contains(HasSubstr("differs")))) << method;
 
     brighten(results(""), "path spp=512", 1.01f);
     ASSERT_EQ(gibench("report results/e").code, 0);
-    EXPECT_THAT(footings("path spp=512"), Contains("total differs"));
-    EXPECT_THAT(footings("path spp=256"), Not(Contains(HasSubstr("differs"))));
+    EXPECT_THAT(balances("path spp=512"), Contains("total differs"));
+    EXPECT_THAT(balances("path spp=256"), Not(Contains(HasSubstr("differs"))));
     const std::string text = read_file(results("table.md"));
     EXPECT_THAT(text, HasSubstr("- tiny: Warning: path differs from the reference in mean energy: `total` +"));
-    EXPECT_LT(text.find("## Equal footing"), text.find("## Errors")) << "before any number";
+    EXPECT_LT(text.find("## Energy balance"), text.find("## Errors")) << "before any number";
 }
 
 // Three black images of an unbiased method give no interval of its mean: rare bright paths are missing in all of them.
-TEST_F(FootingRun, EqualImagesOfAnUnbiasedMethodTellNothing) {
+TEST_F(BalanceRun, EqualImagesOfAnUnbiasedMethodAreInconclusive) {
     write("e.toml",
-          "title = 'Footing'\nscenes = ['tiny.xml']\nseeds = 3\n[reference]\ntarget = '5%'\n"
+          "title = 'EnergyBalance'\nscenes = ['tiny.xml']\nseeds = 3\n[reference]\ntarget = '5%'\n"
           "[[method]]\nname = 'path'\nspp = [16, 32]\n");
     ASSERT_THAT(gibench("run e.toml"), exits(0));
     brighten(results(""), "path spp=32", 0.f);
     ASSERT_EQ(gibench("report results/e").code, 0);
-    EXPECT_THAT(footings("path spp=32"), AllOf(Contains("total unresolved"), Not(Contains(HasSubstr("differs")))));
+    EXPECT_THAT(balances("path spp=32"), AllOf(Contains("total inconclusive"), Not(Contains(HasSubstr("differs")))));
     EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("Warning: path")));
 }
 
 // A path of direct light has two edges.
-TEST_F(FootingRun, AMethodWithShorterPathsThanTheReferenceIsNotWhole) {
+TEST_F(BalanceRun, AMethodWithShorterPathsThanTheReferenceIsNotWhole) {
     write("e.toml",
           "scenes = ['tiny.xml']\nseeds = 2\n[reference]\ntarget = '5%'\n"
           "[[method]]\nname = 'path'\nspp = 4\nmax_depth = [1, 0]\n");
@@ -81,7 +81,7 @@ TEST_F(FootingRun, AMethodWithShorterPathsThanTheReferenceIsNotWhole) {
             << rows.rows[i][1];
 }
 
-TEST_F(FootingRun, AnExperimentWithoutLightHasNoTable) {
+TEST_F(BalanceRun, AnExperimentWithoutLightHasNoTable) {
     write("dark.xml", Scene(element("sensor", "perspective", to_world(look_at("0, 2, 3", "0, 0, 0")), box_film(8)),
                             shape("sphere", radius(0.5), diffuse(0.5)))
                           .xml());
@@ -111,7 +111,7 @@ protected:
 
 TEST_F(ReferenceFromElsewhere, WithoutAStandardErrorSeparatesNoBias) {
     ASSERT_THAT(run_with("'r1.exr'"), exits(0));
-    EXPECT_THAT(read_file(results("table.md")), HasSubstr("no standard error: bias and noise cannot be separated"));
+    EXPECT_THAT(read_file(results("table.md")), HasSubstr("inconclusive: reference's error unknown"));
     const CsvTable rows = table();
     for (const char* column : {"bias2", "bias2_lo", "bias2_hi", "bias_state"})
         EXPECT_EQ(field_of(rows, column, 0), "") << column;
@@ -166,14 +166,15 @@ TEST_F(ContradictedReference, IsToldOnTopAndItsComponentIsNotJudged) {
           "title = 'Contradiction'\nscenes = ['tiny.xml']\nseeds = 5\n[reference]\nmethod = 'path'\ntarget = '1%'\n"
           "[[method]]\nname = 'bidirectional'\nspp = 64\n[[method]]\nname = 'path'\nspp = 64\n");
     ASSERT_THAT(gibench("run e.toml"), exits(0));
-    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("the reference is wrong")));
+    EXPECT_THAT(read_file(results("table.md")), Not(HasSubstr("the reference is contradicted")));
 
     for (const float factor : {0.5f, 0.f}) {
         scale(Component::direct, factor);
         ASSERT_EQ(gibench("report results/e").code, 0);
         const std::string text = read_file(results("table.md"));
-        EXPECT_THAT(text, HasSubstr("Warning: the reference is wrong: bidirectional spp=64 finds light of direct"));
-        EXPECT_LT(text.find("the reference is wrong"), text.find("## Errors"));
+        EXPECT_THAT(text,
+                    HasSubstr("the reference is contradicted by bidirectional spp=64, which finds light of direct"));
+        EXPECT_LT(text.find("the reference is contradicted"), text.find("## Errors"));
         const CsvTable rows = table();
         for (std::size_t i = 0; i < rows.rows.size(); ++i)
             if (rows.rows[i][2] == "direct") {
@@ -206,20 +207,21 @@ protected:
 
 TEST_F(UnjudgedLight, HasNoCheapestMethod) {
     EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-                AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("(cheapest")),
+                AllOf(HasSubstr("the reference is incomplete or contradicted in caustic"), Not(HasSubstr("(cheapest")),
                       Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
         << "neither the reference nor a method has the caustic";
-    EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
+    EXPECT_THAT(read_file(results("report.html")), HasSubstr("no verdict"));
 }
 
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
     EXPECT_THAT(table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
-                AllOf(HasSubstr("the reference does not judge"), HasSubstr("not judged"), Not(HasSubstr("(cheapest"))));
+                AllOf(HasSubstr("the reference is incomplete or contradicted"), HasSubstr("no verdict"),
+                      Not(HasSubstr("(cheapest"))));
 }
 
 TEST_F(UnjudgedLight, KeepsAMethodThatLeavesItOutFromWinning) {
     EXPECT_THAT(table("auto", "[[method]]\nname = 'path'\nspp = 4096\n[[method]]\nname = 'vcm'\nspp = 16\n"),
-                AllOf(HasSubstr("light of caustic"), Not(HasSubstr("the reference does not judge")),
+                AllOf(HasSubstr("light of caustic"), Not(HasSubstr("the reference is incomplete or contradicted")),
                       Not(HasSubstr("| path (cheapest"))));
 }
 

@@ -58,7 +58,7 @@ TEST_F(ShareTest, ThatRunTogetherHaveTheImagesOfOneRun) {
     }
     EXPECT_EQ(images(), alone);
     EXPECT_EQ(std::distance(fs::directory_iterator(path("results/references")), {}), 2)
-        << "made once: the reference, and what its makers have found";
+        << "made once: the reference, and what its methods have found";
     const auto times = cells();
     EXPECT_THAT(run(), exits(0, HasSubstr("cells complete already, not done again: 4")));
     EXPECT_EQ(cells(), times);

@@ -130,11 +130,11 @@ TEST_F(TuneRun, GoesOnAfterAnInterruption) {
         EXPECT_EQ(fs::last_write_time(path("r/cells/" + name + "/cell.json")), time) << name;
 }
 
-TEST_F(TuneRun, StopsWhereTheReferenceDoesNotResolveTheTarget) {
+TEST_F(TuneRun, StopsWhereTheReferencesNoiseHidesTheTarget) {
     const std::string tune = "tune tiny.xml --target 0.5% --method path --out r --minutes ";
     const ProgramResult coarse = gibench(tune + "0.001");
     EXPECT_EQ(coarse.code, 1);
-    EXPECT_THAT(coarse.err, HasSubstr("the reference does not resolve 0.5%: its own error is "));
+    EXPECT_THAT(coarse.err, HasSubstr("the reference's noise hides 0.5%: its own error is "));
     EXPECT_EQ(cells_in("r"), 0u) << "nothing is searched";
     // The tuning takes what the command makes that is named.
     const auto begin = coarse.err.find("reference tiny.xml --target 0.125% -o results/references/");

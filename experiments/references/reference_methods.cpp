@@ -1,4 +1,4 @@
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 
 #include "experiments/metrics/epsilon.h"
 #include "experiments/references/agreement.h"
@@ -15,30 +15,29 @@ namespace gib {
 
 namespace {
 
-constexpr double least_share_of_work = 0.01;  ///< a maker of less is left out
-constexpr double second_opinion = 0.1;        ///< share of the work of the second maker, at least
-/// Significance level at which a maker lacks light that another one has found. A false alarm costs time and no bias.
+constexpr double least_share_of_work = 0.01;  ///< a method of less is left out
+constexpr double second_opinion = 0.1;        ///< share of the work of the second method, at least
+/// Significance level at which a method lacks light that another one has found. A false alarm costs time and no bias.
 constexpr double lacking_alpha = 0.001;
-constexpr double least_weight = 0.1;  ///< a maker that would weigh less makes none of a component
-/// The best maker does the work, but for the second opinion, unless all together are predicted to be sooner by more than this
-/// factor: a maker that has all the work makes more passes in a row.
+constexpr double least_weight = 0.1;  ///< a method of less weight makes none of a component
+/// The best method does the work, except the second opinion, unless all together are predicted to be faster by more
+/// than this factor: a method with all the work makes more passes in a row.
 constexpr double least_gain = 1.1;
-/// The variance of a pass is foreseen to fall with the number of passes to the power of minus this at most, and up to so many times
-/// the passes of the pilot: by 8 in all. The lamp's edges in cornell-box.xml fall by 20 from 16 to 1024 passes, direct light by 1.4.
+/// The variance of a pass is foreseen to fall with the number of passes to the power of minus this at most, and up to
+/// so many times the passes of the pilot: by 8 in all. The lamp's edges in cornell-box.xml fall by 20 from 16 to 1024
+/// passes, direct light by 1.4.
 constexpr double steepest_gain = 0.5, farthest_gain = 64;
 /// A fall that the noise of fewer pixels decides is not foreseen to go on.
 constexpr double fewest_pixels = 8;
-/// The costs that a pilot shows may be so many times the true ones: rare bright paths make them uncertain, and methods that learn
-/// have not learned yet.
+/// The costs that a pilot shows may be so many times the true ones: rare bright paths make them uncertain, and methods
+/// that learn have not learned yet.
 constexpr double outdone_by = 2;
 
-bool has(const std::vector<Component>& list, Component c) { return std::ranges::find(list, c) != list.end(); }
-
-/// Variance times work, V_cm, of every component and maker; infinite where the maker cannot sample the component, or lacks light
-/// in it beyond doubt and another one does not.
+/// Variance times work, V_cm, of every component and method; infinite where the method cannot sample the component, or
+/// lacks light in it significantly and another one does not.
 class Costs {
 public:
-    Costs(const std::vector<MakerPilot>& pilots, const std::optional<double>& epsilon, double work)
+    Costs(const std::vector<MethodPilot>& pilots, const std::optional<double>& epsilon, double work)
         : pilots_(pilots), work_(work) {
         std::vector<std::vector<ComponentImages>> blocks(pilots.size());
         for (std::size_t m = 0; m < pilots.size(); ++m)
@@ -49,11 +48,11 @@ public:
             if (pilots.front().groups.front()[c]) measure(c, blocks);
     }
 
-    /// Whether some maker has seen light of the component.
+    /// Whether some method has found light of the component.
     bool is_lit(Component c) const {
         const auto has_light = [&](const ComponentImages& group) { return group[c] && !is_black(*group[c]); };
         return std::ranges::any_of(
-            pilots_, [&](const MakerPilot& pilot) { return std::ranges::any_of(pilot.groups, has_light); });
+            pilots_, [&](const MethodPilot& pilot) { return std::ranges::any_of(pilot.groups, has_light); });
     }
     const std::vector<double>& of(Component c) const { return costs_[static_cast<std::size_t>(index_of(c))]; }
     double work_of_pass(std::size_t m) const {
@@ -61,13 +60,13 @@ public:
     }
 
 private:
-    bool samples(std::size_t m, Component c) const { return !has(pilots_[m].unresolved, c); }
+    bool samples(std::size_t m, Component c) const { return !contains(pilots_[m].unresolved, c); }
 
-    /// r^2 + epsilon of the error's definition, by block: r is the mean of the makers' total light.
+    /// r^2 + epsilon of the error's definition, by block: r is the mean of the methods' total light.
     void set_denominators(const std::vector<std::vector<ComponentImages>>& blocks, const std::optional<double>& given) {
         std::vector<double> total;
         for (Component c : all_components) {
-            double makers = 0;
+            double methods = 0;
             std::vector<double> sum;
             for (std::size_t m = 0; m < blocks.size(); ++m) {
                 if (!blocks[m].front()[c] || !samples(m, c)) continue;
@@ -75,11 +74,11 @@ private:
                 sum.resize(mean.size());
                 for (std::size_t i = 0; i < mean.size(); ++i)
                     sum[i] += mean[i];
-                ++makers;
+                ++methods;
             }
             total.resize(std::max(total.size(), sum.size()));
             for (std::size_t i = 0; i < sum.size(); ++i)
-                total[i] += sum[i] / makers;
+                total[i] += sum[i] / methods;
         }
         Image mean(blocks.front().front().width, blocks.front().front().height);
         std::ranges::transform(total, mean.rgb.begin(), [](double r) { return static_cast<float>(r); });
@@ -108,7 +107,7 @@ private:
         leave_out_lacking(c, blocks, costs);
     }
 
-    /// Makes the costs of makers that lack light infinite, unless no other would be left.
+    /// Makes the costs of methods that lack light infinite, unless no other would remain.
     void leave_out_lacking(Component c, const std::vector<std::vector<ComponentImages>>& blocks,
                            std::vector<double>& costs) const {
         std::vector<double> left = costs;
@@ -136,12 +135,13 @@ private:
         return variances;
     }
 
-    /// The factor by which the variance of a pass of maker m is foreseen to be smaller in the reference than in the pilot's last
-    /// round. With the sum S of the pixels' variances of a pass in the first round and in the last, log(S_last / S_first) has the
-    /// variance sum over pixels of (s_last / S_last - s_first / S_first)^2, where pixels are independent and none outweighs the
-    /// others. Only the fall beyond two standard errors counts, and none where a few bright pixels decide.
+    /// The factor by which the variance of a pass of method m is foreseen to be smaller in the reference than in the
+    /// pilot's last round. With the sum S of the pixels' variances of a pass in the first round and in the last,
+    /// log(S_last / S_first) has the variance sum over pixels of (s_last / S_last - s_first / S_first)^2, where pixels
+    /// are independent and none outweighs the others. Only the fall beyond two standard errors counts, and none where a
+    /// few bright pixels decide.
     double gain_of_points(std::size_t m, Component c) const {
-        const MakerPilot& pilot = pilots_[m];
+        const MethodPilot& pilot = pilots_[m];
         const double batch = work_ / (reference_groups * work_of_pass(m));  // passes, if m made all of the reference
         const double more = std::min(batch / pilot.passes, farthest_gain);
         if (pilot.first_groups.empty() || !(more > 1)) return 1;
@@ -162,7 +162,7 @@ private:
         return std::pow(more, -std::clamp(fall, 0.0, steepest_gain));
     }
 
-    /// Mean over blocks of the squared light that the other maker has found and this one has not, beyond their noise.
+    /// Mean over blocks of the squared light that the other method has found and this one has not, beyond their noise.
     double shortfall(const GroupMoments& own, const GroupMoments& other) const {
         double sum = 0;
         for (std::size_t i = 0; i < own.mean.size(); ++i) {
@@ -172,7 +172,7 @@ private:
         return std::max(sum / static_cast<double>(own.mean.size()), 0.0);
     }
 
-    const std::vector<MakerPilot>& pilots_;
+    const std::vector<MethodPilot>& pilots_;
     double work_;
     std::vector<double> denominators_;
     std::array<std::vector<double>, component_count> costs_;
@@ -180,28 +180,28 @@ private:
 
 /// The shares of work that minimise the sum over components of 1 / sum over m of (t_m / V_cm), by fixed-point steps
 /// t_m <- t_m sqrt(g_m) / sum, with the gain g_m of more work for m. They keep the shares positive and lower the sum.
-std::vector<double> shares_of_work(const std::vector<std::vector<double>>& costs, std::size_t makers) {
-    std::vector<double> shares(makers, 1.0 / static_cast<double>(makers));
+std::vector<double> shares_of_work(const std::vector<std::vector<double>>& costs, std::size_t methods) {
+    std::vector<double> shares(methods, 1.0 / static_cast<double>(methods));
     for (int step = 0; step < 2000; ++step) {
-        std::vector<double> gains(makers, 0);
+        std::vector<double> gains(methods, 0);
         for (const auto& of_component : costs) {
             double precision = 0;
-            for (std::size_t m = 0; m < makers; ++m)
+            for (std::size_t m = 0; m < methods; ++m)
                 precision += shares[m] / of_component[m];
-            for (std::size_t m = 0; m < makers; ++m)
+            for (std::size_t m = 0; m < methods; ++m)
                 gains[m] += 1 / (of_component[m] * precision * precision);
         }
         double sum = 0;
-        for (std::size_t m = 0; m < makers; ++m)
+        for (std::size_t m = 0; m < methods; ++m)
             sum += shares[m] *= std::sqrt(gains[m]);
-        if (!(sum > 0)) return std::vector<double>(makers, 1.0 / static_cast<double>(makers));
+        if (!(sum > 0)) return std::vector<double>(methods, 1.0 / static_cast<double>(methods));
         for (double& share : shares)
             share /= sum;
     }
     return shares;
 }
 
-/// The costs that decide the shares: of the components that some maker samples and whose pilot has shown noise.
+/// The costs that decide the shares: of the components that some method samples and whose pilot has shown noise.
 std::vector<std::vector<double>> judged_costs(const Costs& costs) {
     std::vector<std::vector<double>> judged;
     for (Component c : all_components) {
@@ -233,9 +233,9 @@ std::vector<std::uint32_t> passes_of_unit(const std::vector<double>& work, const
     return passes;
 }
 
-/// Sets the weights of component c and returns the precision of the shares' sum, 1 / variance. Where no maker samples
+/// Sets the weights of component c and returns the precision of the shares' sum, 1 / variance. Where no method samples
 /// the component, or it is black so far, the busiest one makes it, and the result is 0.
-double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
+double weigh(Component c, const Costs& costs, std::vector<MethodShare>& shares) {
     double precision = 0, busiest = 0;
     std::size_t first = 0;
     for (std::size_t m = 0; m < shares.size(); ++m) {
@@ -249,7 +249,7 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     }
     const bool is_judged = precision > 0 && std::isfinite(precision);
     double kept = 0;
-    for (MakerShare& share : shares) {
+    for (MethodShare& share : shares) {
         double& weight = share.weight(c);
         if (weight < least_weight * precision) weight = 0;
         kept += weight;
@@ -261,8 +261,8 @@ double weigh(Component c, const Costs& costs, std::vector<MakerShare>& shares) {
     return is_judged ? kept : 0;
 }
 
-/// The sum over components of the costs of maker m. With `known`, costs that are infinite count ten times the largest of another
-/// maker instead.
+/// The sum over components of the costs of method m. With `known`, infinite costs count ten times the largest finite
+/// one of the component.
 double sum_of_costs(const std::vector<std::vector<double>>& judged, std::size_t m, bool known) {
     double sum = 0;
     for (const auto& of_component : judged) {
@@ -286,17 +286,17 @@ double error2_work(const std::vector<std::vector<double>>& judged, const std::ve
     return sum;
 }
 
-/// The maker other than `first` with the least costs.
-std::size_t second_maker(const std::vector<std::vector<double>>& judged, std::size_t makers, std::size_t first) {
+/// The method other than `first` with the least costs.
+std::size_t second_method(const std::vector<std::vector<double>>& judged, std::size_t methods, std::size_t first) {
     std::size_t second = first == 0 ? 1 : 0;
-    for (std::size_t m = 0; m < makers; ++m)
+    for (std::size_t m = 0; m < methods; ++m)
         if (m != first && sum_of_costs(judged, m, true) < sum_of_costs(judged, second, true)) second = m;
     return second;
 }
 
-/// Gives each maker that is needed a tenth of the work at least: one that can make a component where no busy one can, and a
+/// Gives each needed method a tenth of the work at least: the best of a component that no busy method makes, and a
 /// second opinion.
-void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>>& judged, std::vector<double>& work) {
+void add_needed_methods(const Costs& costs, const std::vector<std::vector<double>>& judged, std::vector<double>& work) {
     std::vector<bool> needed(work.size());
     for (Component c : all_components) {
         const std::vector<double>& of_component = costs.of(c);
@@ -312,7 +312,7 @@ void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>
     bool has_second = false;
     for (std::size_t m = 0; m < work.size(); ++m)
         has_second = has_second || is_busy(m);
-    if (!has_second && work.size() > 1) needed[second_maker(judged, work.size(), first)] = true;
+    if (!has_second && work.size() > 1) needed[second_method(judged, work.size(), first)] = true;
     double sum = 0;
     for (std::size_t m = 0; m < work.size(); ++m) {
         if (needed[m]) work[m] = std::max(work[m], second_opinion / (1 - second_opinion) * work[first]);
@@ -322,20 +322,20 @@ void add_needed_makers(const Costs& costs, const std::vector<std::vector<double>
         share /= sum;
 }
 
-/// MakerPlan::outdone.
-std::vector<bool> outdone_makers(const std::vector<std::vector<double>>& judged, std::size_t makers) {
-    std::vector<bool> outdone(makers, false);
+/// ReferencePlan::outdone.
+std::vector<bool> outdone_methods(const std::vector<std::vector<double>>& judged, std::size_t methods) {
+    std::vector<bool> outdone(methods, false);
     if (judged.empty()) return outdone;
     std::size_t best = 0;
-    for (std::size_t m = 0; m < makers; ++m) {
+    for (std::size_t m = 0; m < methods; ++m) {
         if (sum_of_costs(judged, m, true) < sum_of_costs(judged, best, true)) best = m;
         std::vector<std::vector<double>> cheaper = judged;
         for (auto& of_component : cheaper)
             of_component[m] /= outdone_by;
-        outdone[m] = shares_of_work(cheaper, makers)[m] < least_share_of_work;
+        outdone[m] = shares_of_work(cheaper, methods)[m] < least_share_of_work;
     }
     outdone[best] = false;
-    if (makers > 1) outdone[second_maker(judged, makers, best)] = false;
+    if (methods > 1) outdone[second_method(judged, methods, best)] = false;
     return outdone;
 }
 
@@ -355,8 +355,8 @@ void add_weighted(std::optional<Image>& sum, const std::optional<Image>& image, 
 
 }  // namespace
 
-ReferenceMaker::ReferenceMaker(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
-                               bool takes_remainder)
+ReferenceMethod::ReferenceMethod(const MethodDescription& method, const MethodLabel& label, const LoadedScene& scene,
+                                 bool takes_remainder)
     : scene_(scene), method_(method), label_{method.name, label.values}, name_(method.name) {
     unresolved_ = method_after(method_, label_, scene.max_edges, 0)->plan(*scene.scene).unresolved;
     if (unresolved_.empty() || !takes_remainder) return;
@@ -370,8 +370,8 @@ ReferenceMaker::ReferenceMaker(const MethodDescription& method, const MethodLabe
     }
 }
 
-MadeBatch ReferenceMaker::make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
-                               const std::function<void()>& before_pass) const {
+MadeBatch ReferenceMethod::make(std::uint64_t seed, std::uint32_t passes, std::uint64_t passes_before,
+                                const std::function<void()>& before_pass) const {
     MadeBatch made = make(method_, label_, seed, passes, passes_before, before_pass);
     if (!remainder_) return made;
     const MadeBatch rest = make(*remainder_, remainder_label_, seed, passes, passes_before, before_pass);
@@ -385,9 +385,9 @@ MadeBatch ReferenceMaker::make(std::uint64_t seed, std::uint32_t passes, std::ui
     return made;
 }
 
-MadeBatch ReferenceMaker::make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
-                               std::uint32_t passes, std::uint64_t passes_before,
-                               const std::function<void()>& before_pass) const {
+MadeBatch ReferenceMethod::make(const MethodDescription& method, const MethodLabel& label, std::uint64_t seed,
+                                std::uint32_t passes, std::uint64_t passes_before,
+                                const std::function<void()>& before_pass) const {
     const auto begin = std::chrono::steady_clock::now();
     StageTimes stages;
     const auto run = method_after(method, label, scene_.max_edges, passes_before)->start(*scene_.scene, seed, stages);
@@ -405,25 +405,25 @@ MadeBatch ReferenceMaker::make(const MethodDescription& method, const MethodLabe
     return made;
 }
 
-MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MakerPilot>& pilots,
-                                 const std::optional<double>& epsilon, double work_of_reference) {
+ReferencePlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MethodPilot>& pilots,
+                                     const std::optional<double>& epsilon, double work_of_reference) {
     const Costs costs(pilots, epsilon, work_of_reference);
     const std::vector<std::vector<double>> judged = judged_costs(costs);
     std::vector<double> work = shares_of_work(judged, methods.size());
-    add_needed_makers(costs, judged, work);
-    std::vector<double> alone;  // infinite for a maker that cannot make everything
+    add_needed_methods(costs, judged, work);
+    std::vector<double> alone;  // infinite for a method that cannot make everything
     for (std::size_t m = 0; m < methods.size(); ++m)
         alone.push_back(sum_of_costs(judged, m, false));
     const auto best = std::ranges::min_element(alone);
     if (!judged.empty() && std::isfinite(*best)) {
         std::vector<double> few(methods.size(), 0);
         few[static_cast<std::size_t>(best - alone.begin())] = 1;
-        add_needed_makers(costs, judged, few);
+        add_needed_methods(costs, judged, few);
         if (error2_work(judged, few) <= least_gain * error2_work(judged, work)) work = few;
     }
     const std::vector<std::uint32_t> passes = passes_of_unit(work, costs);
-    MakerPlan plan;
-    plan.outdone = outdone_makers(judged, methods.size());
+    ReferencePlan plan;
+    plan.outdone = outdone_methods(judged, methods.size());
     for (std::size_t m = 0; m < methods.size(); ++m) {
         plan.shares.push_back({methods[m], passes[m], {}});
         plan.unit_work += passes[m] * costs.work_of_pass(m);
@@ -436,19 +436,19 @@ MakerPlan plan_of_least_variance(const std::vector<std::string>& methods, const 
     return plan;
 }
 
-void leave_to_others(std::vector<MakerShare>& shares, Component c, std::size_t lesser, std::size_t greater) {
+void leave_to_others(std::vector<MethodShare>& shares, Component c, std::size_t lesser, std::size_t greater) {
     shares[lesser].weight(c) = 0;
     double left = 0;
-    for (MakerShare& share : shares)
+    for (MethodShare& share : shares)
         left += share.weight(c);
     if (!(left > 0)) left = shares[greater].weight(c) = 1;
-    for (MakerShare& share : shares)
+    for (MethodShare& share : shares)
         share.weight(c) /= left;
 }
 
-std::string text_of(const std::vector<MakerShare>& shares) {
+std::string text_of(const std::vector<MethodShare>& shares) {
     std::string text;
-    for (const MakerShare& share : shares) {
+    for (const MethodShare& share : shares) {
         text += fmt::format("{}{} {}", text.empty() ? "" : "; ", share.method, share.passes);
         for (const double weight : share.weights)
             text += fmt::format(" {:.17g}", weight);
@@ -456,12 +456,12 @@ std::string text_of(const std::vector<MakerShare>& shares) {
     return text;
 }
 
-std::vector<MakerShare> shares_in(const std::string& text) {
-    std::vector<MakerShare> shares;
+std::vector<MethodShare> shares_in(const std::string& text) {
+    std::vector<MethodShare> shares;
     std::istringstream parts(text);
     for (std::string part; std::getline(parts, part, ';');) {
         std::istringstream words(part);
-        MakerShare share;
+        MethodShare share;
         words >> share.method >> share.passes;
         for (double& weight : share.weights)
             words >> weight;
@@ -471,14 +471,14 @@ std::vector<MakerShare> shares_in(const std::string& text) {
     return shares;
 }
 
-std::uint64_t passes_in(const std::vector<MakerShare>& shares, std::uint64_t units) {
+std::uint64_t passes_in(const std::vector<MethodShare>& shares, std::uint64_t units) {
     std::uint64_t passes = 0;
-    for (const MakerShare& share : shares)
+    for (const MethodShare& share : shares)
         passes += share.passes;
     return units * std::max<std::uint64_t>(passes, 1);
 }
 
-ComponentImages combined(const std::vector<MakerShare>& shares, const std::vector<ComponentImages>& images) {
+ComponentImages combined(const std::vector<MethodShare>& shares, const std::vector<ComponentImages>& images) {
     ComponentImages sum;
     for (std::size_t m = 0; m < shares.size(); ++m) {
         if (shares[m].passes == 0) continue;

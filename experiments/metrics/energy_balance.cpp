@@ -1,4 +1,4 @@
-#include "experiments/metrics/equal_footing.h"
+#include "experiments/metrics/energy_balance.h"
 
 #include "common/core/math.h"
 
@@ -12,7 +12,7 @@ namespace gib {
 namespace {
 
 constexpr double tail = 0.01;  // probability of both tails together: 99 % intervals
-constexpr double least_footing_share =
+constexpr double least_balance_share =
     0.01;  // share of the total's energy: darker components are measured against this
 
 SampleMean mean_energies(const std::vector<Image>& images) {
@@ -34,24 +34,24 @@ SampleMean noisy_energy(const ReferenceLayer& reference) {
     return mean;
 }
 
-FootingVerdict verdict_of(const Estimate& excess, double truth) {
+BalanceVerdict verdict_of(const Estimate& excess, double truth) {
     // The excess is NaN if the image has a value that is not finite.
-    if (!std::isfinite(excess.value)) return FootingVerdict::differs;
+    if (!std::isfinite(excess.value)) return BalanceVerdict::differs;
     // Both are exactly black. Most often this is a component that the scene does not have.
-    if (excess.value == 0 && truth == 0) return FootingVerdict::agrees;
-    if (!excess.interval) return FootingVerdict::unresolved;
+    if (excess.value == 0 && truth == 0) return BalanceVerdict::agrees;
+    if (!excess.interval) return BalanceVerdict::inconclusive;
     const auto [lo, hi] = *excess.interval;
-    if ((lo > 0 || hi < 0) && std::abs(excess.value) >= footing_least) return FootingVerdict::differs;
-    return lo >= -footing_tolerance && hi <= footing_tolerance ? FootingVerdict::agrees : FootingVerdict::unresolved;
+    if ((lo > 0 || hi < 0) && std::abs(excess.value) >= balance_least) return BalanceVerdict::differs;
+    return lo >= -balance_tolerance && hi <= balance_tolerance ? BalanceVerdict::agrees : BalanceVerdict::inconclusive;
 }
 
-Footing compared(const SampleMean& method, const SampleMean& truth, double unit) {
-    Footing footing{method, unit, {(method.value - truth.value) / unit, std::nullopt}};
+EnergyBalance compared(const SampleMean& method, const SampleMean& truth, double unit) {
+    EnergyBalance balance{method, unit, {(method.value - truth.value) / unit, std::nullopt}};
     const double half = half_width({method.variance, truth.variance}, tail) / unit;
     if (std::isfinite(half))
-        footing.excess.interval = Interval{footing.excess.value - half, footing.excess.value + half};
-    footing.verdict = verdict_of(footing.excess, truth.value);
-    return footing;
+        balance.excess.interval = Interval{balance.excess.value - half, balance.excess.value + half};
+    balance.verdict = verdict_of(balance.excess, truth.value);
+    return balance;
 }
 
 }  // namespace
@@ -70,24 +70,26 @@ SampleMean reference_energy(const ReferenceLayer& reference) {
     return mean;
 }
 
-std::string name_of(FootingVerdict verdict) {
-    return verdict == FootingVerdict::agrees ? "agrees" : verdict == FootingVerdict::differs ? "differs" : "unresolved";
+std::string name_of(BalanceVerdict verdict) {
+    return verdict == BalanceVerdict::agrees    ? "agrees"
+           : verdict == BalanceVerdict::differs ? "differs"
+                                                : "inconclusive";
 }
 
-Footing Footing::against(const Footing& other) const { return compared(energy, other.energy, unit); }
+EnergyBalance EnergyBalance::against(const EnergyBalance& other) const { return compared(energy, other.energy, unit); }
 
-Interval of_light(const Interval& excess, const Footing& footing) {
-    return {std::max(excess.lo, footing.excess.value - std::max(footing.energy.value, 0.0) / footing.unit), excess.hi};
+Interval of_light(const Interval& excess, const EnergyBalance& balance) {
+    return {std::max(excess.lo, balance.excess.value - std::max(balance.energy.value, 0.0) / balance.unit), excess.hi};
 }
 
-std::optional<Footing> equal_footing(const std::vector<Image>& replicates, const ReferenceLayer& reference,
-                                     const Image& total) {
+std::optional<EnergyBalance> energy_balance(const std::vector<Image>& replicates, const ReferenceLayer& reference,
+                                            const Image& total) {
     const SampleMean truth = reference_energy(reference);
-    const double unit = std::max(truth.value, least_footing_share * mean_energy(total));
+    const double unit = std::max(truth.value, least_balance_share * mean_energy(total));
     if (!(unit > 0)) return std::nullopt;
-    Footing footing = compared(mean_energies(replicates), truth, unit);
-    if (footing.excess.interval) footing.excess.interval = of_light(*footing.excess.interval, footing);
-    return footing;
+    EnergyBalance balance = compared(mean_energies(replicates), truth, unit);
+    if (balance.excess.interval) balance.excess.interval = of_light(*balance.excess.interval, balance);
+    return balance;
 }
 
 }  // namespace gib

@@ -1,5 +1,5 @@
 // Light that no seed has met: neither a bias nor a difference in energy follows from it.
-#include "experiments/analysis/unmet_light.h"
+#include "experiments/analysis/unsampled_light.h"
 
 #include "experiments/analysis/row_fields.h"
 #include "tests/support/constant_image.h"
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-namespace gib::test::unmet_light_test {
+namespace gib::test::unsampled_light_test {
 namespace {
 
 constexpr std::size_t lamp = 100;  ///< the first channel of the pixel of the lamp
@@ -36,26 +36,26 @@ TableRow judged(const std::vector<Image>& x) {
     const Denominators denominators(reference.mean, 1e-4);
     TableRow row = row_of("photon_mapper");
     row.statistics = replicate_statistics(x, reference, denominators);
-    row.footing = equal_footing(x, reference, reference.mean);
-    allow_for_unmet_light(row, x, unmet_light(x, reference.mean), reference, denominators);
+    row.balance = energy_balance(x, reference, reference.mean);
+    allow_for_unsampled_light(row, x, unsampled_light(x, reference.mean), reference, denominators);
     return row;
 }
 
-TEST(UnmetLight, IsNeitherBiasNorADifferenceInEnergy) {
+TEST(UnsampledLight, IsNeitherBiasNorADifferenceInEnergy) {
     const TableRow row = judged(images({false, false, false}));
-    EXPECT_LT(row.footing->excess.value, -0.15) << "a fifth of the energy";
-    EXPECT_TRUE(row.has_verdict(FootingVerdict::unresolved));
-    EXPECT_GT(row.footing->excess.interval->hi, 0);
+    EXPECT_LT(row.balance->excess.value, -0.15) << "a fifth of the energy";
+    EXPECT_TRUE(row.has_verdict(BalanceVerdict::inconclusive));
+    EXPECT_GT(row.balance->excess.interval->hi, 0);
     EXPECT_EQ(bias_share_field(row).state, State::below) << "none, or nearly all of the relative error";
 }
 
-TEST(UnmetLight, HidesNoDifferenceElsewhere) {
+TEST(UnsampledLight, HidesNoDifferenceElsewhere) {
     const TableRow bright = judged(images({false, false, false}, 1.5f));
-    EXPECT_TRUE(bright.has_verdict(FootingVerdict::differs)) << "by 20 % without the lamp, by 40 % with it";
+    EXPECT_TRUE(bright.has_verdict(BalanceVerdict::differs)) << "by 20 % without the lamp, by 40 % with it";
     EXPECT_EQ(bias_share_field(bright).state, State::measured);
     const TableRow right = judged(images({true, true, true}));
-    EXPECT_TRUE(right.has_verdict(FootingVerdict::agrees));
+    EXPECT_TRUE(right.has_verdict(BalanceVerdict::agrees));
 }
 
 }  // namespace
-}  // namespace gib::test::unmet_light_test
+}  // namespace gib::test::unsampled_light_test

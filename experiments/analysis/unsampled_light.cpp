@@ -1,4 +1,4 @@
-#include "experiments/analysis/unmet_light.h"
+#include "experiments/analysis/unsampled_light.h"
 
 #include "common/core/math.h"
 
@@ -19,12 +19,12 @@ void widen(std::optional<Estimate>& estimate, const std::optional<Estimate>& oth
     if (estimate && other) widen(*estimate, *other);
 }
 
-/// Widens the interval; the verdict stands if both have it, and not `in_doubt`.
-void widen(Footing& footing, const Footing& other, bool in_doubt) {
-    widen(footing.excess, other.excess);
-    if (footing.verdict == other.verdict && !in_doubt) return;
-    footing.verdict = FootingVerdict::unresolved;
-    footing.misses_light = true;
+/// Widens the interval. The verdict becomes inconclusive if both differ, or if `in_doubt`.
+void widen(EnergyBalance& balance, const EnergyBalance& other, bool in_doubt) {
+    widen(balance.excess, other.excess);
+    if (balance.verdict == other.verdict && !in_doubt) return;
+    balance.verdict = BalanceVerdict::inconclusive;
+    balance.misses_light = true;
 }
 
 /// The images plus `factor` times the light.
@@ -45,29 +45,30 @@ double relative_square(const Image& light, const Denominators& denominators) {
 
 }  // namespace
 
-Image unmet_light(const std::vector<Image>& images, const Image& reference) {
-    Image unmet(reference.width, reference.height);
+Image unsampled_light(const std::vector<Image>& images, const Image& reference) {
+    Image unsampled(reference.width, reference.height);
     for (std::size_t i = 0; i < reference.rgb.size(); ++i)
         if (std::all_of(images.begin(), images.end(), [i](const Image& x) { return x.rgb[i] == 0.f; }))
-            unmet.rgb[i] = std::max(reference.rgb[i], 0.f);
-    return unmet;
+            unsampled.rgb[i] = std::max(reference.rgb[i], 0.f);
+    return unsampled;
 }
 
-double allow_for_unmet_light(TableRow& row, const std::vector<Image>& images, const Image& unmet,
-                             const ReferenceLayer& reference, const Denominators& denominators) {
-    if (!row.statistics || is_black(unmet)) return 0;
-    const std::vector<Image> met = changed(images, unmet, 1);
-    const double unmet_energy = mean_energy(unmet);
-    row.unmet = relative_square(unmet, denominators);
+double allow_for_unsampled_light(TableRow& row, const std::vector<Image>& images, const Image& unsampled,
+                                 const ReferenceLayer& reference, const Denominators& denominators) {
+    if (!row.statistics || is_black(unsampled)) return 0;
+    const std::vector<Image> met = changed(images, unsampled, 1);
+    const double unsampled_energy = mean_energy(unsampled);
+    row.unsampled = relative_square(unsampled, denominators);
     const ReplicateStatistics with = replicate_statistics(met, reference, denominators);
     widen(row.statistics->bias2, with.bias2);
     widen(row.statistics->rel_bias2, with.rel_bias2);
-    const auto footing = equal_footing(met, reference, denominators.plain());
-    if (!row.footing || !footing) return unmet_energy;
-    const double least = std::min(std::abs(row.footing->excess.value), std::abs(footing->excess.value));
-    const bool is_within_unmet = row.has_verdict(FootingVerdict::differs) && least * row.footing->unit < unmet_energy;
-    widen(*row.footing, *footing, is_within_unmet);
-    return unmet_energy;
+    const auto balance = energy_balance(met, reference, denominators.plain());
+    if (!row.balance || !balance) return unsampled_energy;
+    const double least = std::min(std::abs(row.balance->excess.value), std::abs(balance->excess.value));
+    const bool is_within_unsampled =
+        row.has_verdict(BalanceVerdict::differs) && least * row.balance->unit < unsampled_energy;
+    widen(*row.balance, *balance, is_within_unsampled);
+    return unsampled_energy;
 }
 
 void allow_for_missed_light(TableRow& row, const std::vector<Image>& images, const Image& missed,
@@ -84,8 +85,8 @@ void allow_for_missed_light(TableRow& row, const std::vector<Image>& images, con
         widen(plain.*estimate, with.*estimate);
     widen(plain.bias2, with.bias2);
     widen(plain.rel_bias2, with.rel_bias2);
-    if (const auto footing = equal_footing(others, reference, denominators.plain()); row.footing && footing)
-        widen(*row.footing, *footing, false);
+    if (const auto balance = energy_balance(others, reference, denominators.plain()); row.balance && balance)
+        widen(*row.balance, *balance, false);
 }
 
 }  // namespace gib

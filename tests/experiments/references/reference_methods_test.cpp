@@ -1,6 +1,6 @@
 // References that several methods make together.
 
-#include "experiments/references/makers.h"
+#include "experiments/references/reference_methods.h"
 
 #include "experiments/references/agreement.h"
 
@@ -9,10 +9,10 @@
 #include "tests/support/lit_rooms.h"
 #include "tests/support/matchers.h"
 
-namespace gib::test::reference_makers_test {
+namespace gib::test::reference_methods_test {
 namespace {
 
-/// The groups of a maker: `mean` and uniform noise of this standard deviation in each group, by component. The pixels
+/// The groups of a method: `mean` and uniform noise of this standard deviation in each group, by component. The pixels
 /// of the left half are lacking the share `lacking`.
 struct Made {
     double direct = 1, direct_noise = 0.1, caustic = 1, caustic_noise = 0.1, lacking = 0;
@@ -36,20 +36,20 @@ std::vector<ComponentImages> groups_of(const Made& made, std::uint64_t seed) {
     return groups;
 }
 
-MakerPilot pilot_of(const Made& made, std::uint64_t seed, double work_of_pass = 1) {
+MethodPilot pilot_of(const Made& made, std::uint64_t seed, double work_of_pass = 1) {
     return {.groups = groups_of(made, seed), .passes = 1, .work = reference_groups * work_of_pass, .unresolved = {}};
 }
-/// The plan of two makers whose pass takes this work.
-MakerPlan plan_of(const Made& a, const Made& b, double work_of_a = 1, double work_of_b = 1) {
+/// The plan of two methods whose pass takes this work.
+ReferencePlan plan_of(const Made& a, const Made& b, double work_of_a = 1, double work_of_b = 1) {
     return plan_of_least_variance({"a", "b"}, {pilot_of(a, 1, work_of_a), pilot_of(b, 2, work_of_b)}, 0.01);
 }
-double weight(const MakerPlan& plan, std::size_t maker, Component c) {
-    return plan.shares[maker].weights[static_cast<std::size_t>(index_of(c))];
+double weight(const ReferencePlan& plan, std::size_t method, Component c) {
+    return plan.shares[method].weights[static_cast<std::size_t>(index_of(c))];
 }
 
 // With variances v of a pass, times t of a pass and n passes, the weights of least variance are in proportion to n / v.
-TEST(MakerPlan, WeighsByPassesAndVariance) {
-    const MakerPlan plan =
+TEST(ReferencePlan, WeighsByPassesAndVariance) {
+    const ReferencePlan plan =
         plan_of({.direct_noise = 0.1, .caustic_noise = 0.3}, {.direct_noise = 0.2, .caustic_noise = 0.1}, 1, 2);
     const double passes_a = plan.shares[0].passes, passes_b = plan.shares[1].passes;
     ASSERT_GT(passes_a, 0);
@@ -62,11 +62,11 @@ TEST(MakerPlan, WeighsByPassesAndVariance) {
     EXPECT_NEAR(weight(plan, 0, Component::direct) + weight(plan, 1, Component::direct), 1, 1e-12);
 }
 
-// One maker is better at both components: it gets nine tenths of the work, and the other a tenth as the second opinion. If a pass
+// One method is better at both components: it gets nine tenths of the work, and the other a tenth as the second opinion. If a pass
 // of the better one takes longer, the other gets the nine tenths.
-TEST(MakerPlan, GivesTheWorkToTheCheaperMakerButForASecondOpinion) {
+TEST(ReferencePlan, GivesTheWorkToTheCheaperMethodButForASecondOpinion) {
     const Made better{.direct_noise = 0.1, .caustic_noise = 0.1}, worse{.direct_noise = 0.2, .caustic_noise = 0.2};
-    const MakerPlan plan = plan_of(better, worse);
+    const ReferencePlan plan = plan_of(better, worse);
     EXPECT_EQ(plan.shares[0].passes, 9u);
     EXPECT_EQ(plan.shares[1].passes, 1u);
     // Weights by precision were 36 / 37, from 9 / 0.01 and 1 / 0.04; the second opinion makes nothing itself.
@@ -74,24 +74,24 @@ TEST(MakerPlan, GivesTheWorkToTheCheaperMakerButForASecondOpinion) {
     // The predicted squared error of one unit of work: the variances of both components over r^2 + epsilon.
     EXPECT_NEAR(plan.error2_work, 2 * 10 / 900.0 / (4 + 0.01), 0.05 * 0.005);
     EXPECT_EQ(plan.unit_work, 10);
-    const MakerPlan slow = plan_of(better, worse, 100);
+    const ReferencePlan slow = plan_of(better, worse, 100);
     EXPECT_LT(100 * slow.shares[0].passes, slow.shares[1].passes);
 }
 
-// Each maker is a little better at one component: together they would be 3 % sooner, which is not worth it.
-TEST(MakerPlan, LeavesTheWorkToOneMakerWhereOthersGainLittle) {
-    const MakerPlan plan =
+// Each method is a little better at one component: together they would be 3 % sooner, which is not worth it.
+TEST(ReferencePlan, LeavesTheWorkToOneMethodWhereOthersGainLittle) {
+    const ReferencePlan plan =
         plan_of({.direct_noise = 0.1, .caustic_noise = 0.12}, {.direct_noise = 0.12, .caustic_noise = 0.1});
     EXPECT_EQ(plan.shares[0].passes + plan.shares[1].passes, 10u);
     EXPECT_EQ(std::max(plan.shares[0].passes, plan.shares[1].passes), 9u);
 }
 
-// Another pilot need not try a maker that is several times dearer at everything, unless only two are left.
-TEST(MakerPlan, SaysWhichMakersAreOutdone) {
-    const auto outdone = [](const std::vector<Made>& makers) {
+// Another pilot need not try a method that is several times dearer at everything, unless only two are left.
+TEST(ReferencePlan, SaysWhichMethodsAreOutdone) {
+    const auto outdone = [](const std::vector<Made>& methods) {
         std::vector<std::string> names;
-        std::vector<MakerPilot> pilots;
-        for (const Made& made : makers) {
+        std::vector<MethodPilot> pilots;
+        for (const Made& made : methods) {
             names.push_back(std::to_string(pilots.size()));
             pilots.push_back(pilot_of(made, pilots.size() + 1));
         }
@@ -106,69 +106,69 @@ TEST(MakerPlan, SaysWhichMakersAreOutdone) {
     EXPECT_EQ(outdone({good, worse, near}), (std::vector<bool>{false, true, false}));
 }
 
-// The variance of a pass of one maker falls with n^-1/2, as that of good points does, and the pilot ends before it is the better
+// The variance of a pass of one method falls with n^-1/2, as that of good points does, and the pilot ends before it is the better
 // one. Where a single bright pixel has made the first round noisy, the fall says nothing.
-TEST(MakerPlan, ForeseesTheGainOfPoints) {
+TEST(ReferencePlan, ForeseesTheGainOfPoints) {
     const double fall = std::pow(4, -0.75);  // of the standard deviation, from 1 to 4 passes
     const Made first{.direct_noise = 0.4, .caustic_noise = 0.4};
     const Made last{.direct_noise = 0.4 * fall, .caustic_noise = 0.4 * fall};
     const Made other{.direct_noise = 0.12, .caustic_noise = 0.12};
-    const auto share_of_first_maker = [&](const std::vector<ComponentImages>& before, double work) {
-        std::vector<MakerPilot> pilots = {pilot_of(last, 1), pilot_of(other, 2)};
-        for (MakerPilot& pilot : pilots) {
+    const auto share_of_first_method = [&](const std::vector<ComponentImages>& before, double work) {
+        std::vector<MethodPilot> pilots = {pilot_of(last, 1), pilot_of(other, 2)};
+        for (MethodPilot& pilot : pilots) {
             pilot.passes = 4;
             pilot.work *= 4;
         }
         pilots[0].first_groups = before;
         pilots[0].first_passes = 1;
-        const MakerPlan plan = plan_of_least_variance({"a", "b"}, pilots, 0.01, work);
+        const ReferencePlan plan = plan_of_least_variance({"a", "b"}, pilots, 0.01, work);
         return static_cast<double>(plan.shares[0].passes) / (plan.shares[0].passes + plan.shares[1].passes);
     };
     const double much = 64 * 4 * reference_groups;
-    EXPECT_EQ(share_of_first_maker({}, much), 0.1);
-    EXPECT_EQ(share_of_first_maker(groups_of(first, 3), much), 0.9);
-    EXPECT_EQ(share_of_first_maker(groups_of(first, 3), 0), 0.1) << "the reference will have few passes";
+    EXPECT_EQ(share_of_first_method({}, much), 0.1);
+    EXPECT_EQ(share_of_first_method(groups_of(first, 3), much), 0.9);
+    EXPECT_EQ(share_of_first_method(groups_of(first, 3), 0), 0.1) << "the reference will have few passes";
     std::vector<ComponentImages> spotted = groups_of(last, 3);
     for (std::size_t g = 0; g < spotted.size(); ++g)
         for (Component c : {Component::direct, Component::caustic})
             for (std::size_t k = 0; k < 3; ++k)
                 spotted[g][c]->rgb[300 + k] += g % 2 ? 100.f : -100.f;
-    EXPECT_EQ(share_of_first_maker(spotted, much), 0.1);
+    EXPECT_EQ(share_of_first_method(spotted, much), 0.1);
 }
 
-// A maker without noise that lacks light has not found it yet: beyond doubt, or not.
-TEST(MakerPlan, LeavesAComponentToTheMakerThatLacksNone) {
-    const MakerPlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
+// A method without noise that lacks light has not found it yet: beyond doubt, or not.
+TEST(ReferencePlan, LeavesAComponentToTheMethodThatLacksNone) {
+    const ReferencePlan plan = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 0.3});
     EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
     EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
-    const MakerPlan little = plan_of({.caustic_noise = 1e-4, .lacking = 0.07}, {.caustic_noise = 0.3});
+    const ReferencePlan little = plan_of({.caustic_noise = 1e-4, .lacking = 0.07}, {.caustic_noise = 0.3});
     EXPECT_EQ(weight(little, 0, Component::caustic), 0) << "its error would be smaller, but stay";
-    const MakerPlan doubtful = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 40});
+    const ReferencePlan doubtful = plan_of({.caustic_noise = 1e-4, .lacking = 0.9}, {.caustic_noise = 40});
     EXPECT_GT(weight(doubtful, 0, Component::caustic), 0);
     EXPECT_GT(doubtful.shares[1].passes, 0u) << "whose images go on to be compared";
 }
 
-// The lamp in view that only one maker finds, and finds without noise, is made by it although the other one is better at the rest.
-TEST(MakerPlan, HasAMakerForEveryComponentThatIsLit) {
+// The lamp in view that only one method finds, and finds without noise, is made by it although the other one is better at the rest.
+TEST(ReferencePlan, HasAMethodForEveryComponentThatIsLit) {
     const Made blind{.caustic = 0, .caustic_noise = 0};
-    const MakerPlan plan = plan_of(blind, {.direct_noise = 0.4, .caustic_noise = 0});
+    const ReferencePlan plan = plan_of(blind, {.direct_noise = 0.4, .caustic_noise = 0});
     EXPECT_GT(plan.shares[0].passes, plan.shares[1].passes);
     EXPECT_GT(plan.shares[1].passes, 0u);
     EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
     EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
 }
 
-TEST(MakerPlan, LeavesOutWhatAMakerCannotSample) {
-    MakerPilot blind = pilot_of({.caustic = 0, .caustic_noise = 0}, 1);
+TEST(ReferencePlan, LeavesOutWhatAMethodCannotSample) {
+    MethodPilot blind = pilot_of({.caustic = 0, .caustic_noise = 0}, 1);
     blind.unresolved = {Component::caustic};
-    const MakerPlan plan = plan_of_least_variance({"blind", "all"}, {blind, pilot_of({}, 2)}, 0.01);
+    const ReferencePlan plan = plan_of_least_variance({"blind", "all"}, {blind, pilot_of({}, 2)}, 0.01);
     EXPECT_EQ(weight(plan, 0, Component::caustic), 0);
     EXPECT_EQ(weight(plan, 1, Component::caustic), 1);
 }
 
-TEST(MakerShares, AreLeftToOthersWhereOneLacksLight) {
+TEST(MethodShares, AreLeftToOthersWhereOneLacksLight) {
     constexpr Component c = Component::caustic;
-    std::vector<MakerShare> shares(3);
+    std::vector<MethodShare> shares(3);
     shares[0].weight(c) = 0.5;
     shares[1].weight(c) = 0.3;
     shares[2].weight(c) = 0.2;
@@ -184,8 +184,8 @@ TEST(MakerShares, AreLeftToOthersWhereOneLacksLight) {
     EXPECT_EQ(shares[2].weight(c), 0);
 }
 
-TEST(MakerPlan, IsReadFromItsText) {
-    const MakerPlan plan = plan_of({.direct_noise = 0.3}, {.caustic_noise = 0.3});
+TEST(ReferencePlan, IsReadFromItsText) {
+    const ReferencePlan plan = plan_of({.direct_noise = 0.3}, {.caustic_noise = 0.3});
     const auto read = shares_in(text_of(plan.shares));
     ASSERT_EQ(read.size(), 2u);
     for (std::size_t m = 0; m < 2; ++m) {
@@ -196,35 +196,35 @@ TEST(MakerPlan, IsReadFromItsText) {
     EXPECT_TRUE(shares_in("a two").empty());
 }
 
-TEST(MakerAgreement, SaysWhoDisagreesAboutWhatAndWhere) {
+TEST(MethodAgreement, SaysWhoDisagreesAboutWhatAndWhere) {
     const auto all = [](std::size_t, Component) { return true; };
-    MakerAgreement agree(2), differ(2);
+    MethodAgreement agree(2), differ(2);
     agree.add(0, groups_of({}, 1), 1);
     agree.add(1, groups_of({.direct_noise = 0.3}, 2), 1);
-    EXPECT_TRUE(agree.between_makers(all).empty());
+    EXPECT_TRUE(agree.between_methods(all).empty());
     differ.add(0, groups_of({}, 1), 1);
     differ.add(1, groups_of({.lacking = 0.05}, 2), 1);
-    const auto both = differ.between_makers(all);
+    const auto both = differ.between_methods(all);
     ASSERT_EQ(both.size(), 2u) << "direct and caustic light";
     const Disagreement* found = &both.front();
     EXPECT_EQ(found->component, Component::direct);
     EXPECT_EQ(std::pair(found->lesser(), found->greater()), std::pair(std::size_t{1}, std::size_t{0}));
     EXPECT_LE(found->where.x + found->where.width, 32);
     EXPECT_THAT(text_of(found->where), HasSubstr("standard errors"));
-    EXPECT_TRUE(differ.between_makers([](std::size_t m, Component) { return m == 0; }).empty()) << "not asked";
+    EXPECT_TRUE(differ.between_methods([](std::size_t m, Component) { return m == 0; }).empty()) << "not asked";
 }
 
 // One block of 8 x 8 pixels among 16 has a tenth more light.
-TEST(MakerAgreement, FindsASmallRegion) {
-    MakerAgreement makers(2);
+TEST(MethodAgreement, FindsASmallRegion) {
+    MethodAgreement methods(2);
     std::vector<ComponentImages> groups = groups_of({}, 2);
     for (ComponentImages& group : groups)
         for (int y = 8; y < 16; ++y)
             for (int x = 16; x < 24; ++x)
                 group[Component::caustic]->set(static_cast<std::size_t>(32 * y + x), Color::Constant(1.1f));
-    makers.add(0, groups_of({}, 1), 1);
-    makers.add(1, groups, 1);
-    const auto all = makers.between_makers([](std::size_t, Component) { return true; });
+    methods.add(0, groups_of({}, 1), 1);
+    methods.add(1, groups, 1);
+    const auto all = methods.between_methods([](std::size_t, Component) { return true; });
     ASSERT_EQ(all.size(), 1u);
     const Disagreement* found = &all.front();
     EXPECT_EQ(found->component, Component::caustic);
@@ -234,12 +234,12 @@ TEST(MakerAgreement, FindsASmallRegion) {
 }
 
 // A pilot of 4 groups has seen light that the finished reference lacks.
-TEST(MakerAgreement, ComparesThePilotsWithTheReference) {
-    MakerAgreement makers(2);
-    makers.set_pilot(0, groups_of({}, 1));
-    makers.set_pilot(1, groups_of({.direct_noise = 0.3}, 2));
-    EXPECT_TRUE(makers.with_pilots(groups_of({}, 3)).empty());
-    const auto found = makers.with_pilots(groups_of({.caustic = 0, .caustic_noise = 0}, 3));
+TEST(MethodAgreement, ComparesThePilotsWithTheReference) {
+    MethodAgreement methods(2);
+    methods.set_pilot(0, groups_of({}, 1));
+    methods.set_pilot(1, groups_of({.direct_noise = 0.3}, 2));
+    EXPECT_TRUE(methods.with_pilots(groups_of({}, 3)).empty());
+    const auto found = methods.with_pilots(groups_of({.caustic = 0, .caustic_noise = 0}, 3));
     ASSERT_EQ(found.size(), 2u);
     for (const Disagreement& one : found) {
         EXPECT_EQ(one.component, Component::caustic);
@@ -249,16 +249,16 @@ TEST(MakerAgreement, ComparesThePilotsWithTheReference) {
 
 // Light of a point through glass, seen through the same glass: bidirectional path tracing leaves it out, and merging makes
 // the rest.
-TEST(ReferenceMaker, TakesTheRemainder) {
+TEST(ReferenceMethod, TakesTheRemainder) {
     const auto scene = room({.light = lit_rooms::point, .glossy_wall = "", .ball = lit_rooms::glass_ball});
     const MethodDescription& method = find_method("bidirectional");
-    const ReferenceMaker alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
+    const ReferenceMethod alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
     EXPECT_FALSE(alone.unresolved().empty());
     EXPECT_TRUE(both.unresolved().empty());
     EXPECT_EQ(both.name(), "bidirectional+vcm");
-    EXPECT_EQ(ReferenceMaker(find_method("path"), {"auto", {}}, scene, true).name(), "path");
-    const auto make = [&](const ReferenceMaker& maker, std::uint64_t passes_before) {
-        return maker.make(7, 256, passes_before, [] {}).images;
+    EXPECT_EQ(ReferenceMethod(find_method("path"), {"auto", {}}, scene, true).name(), "path");
+    const auto make = [&](const ReferenceMethod& method, std::uint64_t passes_before) {
+        return method.make(7, 256, passes_before, [] {}).images;
     };
     const ComponentImages part = make(alone, 0), whole = make(both, 0), later = make(both, 1000000);
     EXPECT_GT(mean_of(*whole[Component::caustic]).sum(), 1.02 * mean_of(*part[Component::caustic]).sum());
@@ -268,8 +268,8 @@ TEST(ReferenceMaker, TakesTheRemainder) {
     EXPECT_NE(later[Component::caustic]->rgb, whole[Component::caustic]->rgb);
     // Nothing remains under a lamp.
     const auto lit = room({.light = lit_rooms::lamp, .ball = lit_rooms::glass_ball});
-    EXPECT_FALSE(ReferenceMaker(method, {"auto", {}}, lit, true).makes_remainder());
+    EXPECT_FALSE(ReferenceMethod(method, {"auto", {}}, lit, true).makes_remainder());
 }
 
 }  // namespace
-}  // namespace gib::test::reference_makers_test
+}  // namespace gib::test::reference_methods_test
