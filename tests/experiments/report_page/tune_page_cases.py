@@ -97,5 +97,5 @@ class TunePageTest(BrowserCase):
 
     def test_without_scripts_the_numbers_can_be_read(self):
         text = self.text_without_scripts(os.path.join(self.results, "report.html"))
-        for words in ("The cheapest settings for 90%", "To paste", "measured", "seconds to 90%"):
+        for words in ("The cheapest settings for 90%", "Labels for", "measured", "seconds to 90%"):
             self.assertIn(words, text)
