@@ -251,8 +251,9 @@ TEST(MethodAgreement, ComparesThePilotsWithTheReference) {
 // the rest.
 TEST(ReferenceMethod, TakesTheRemainder) {
     const auto scene = room({.light = lit_rooms::point, .glossy_wall = "", .ball = lit_rooms::glass_ball});
-    const MethodDescription& method = find_method("bidirectional");
-    const ReferenceMethod alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
+    const MethodDescription& description = find_method("bidirectional");
+    const ReferenceMethod alone(description, {"bidirectional", {}}, scene, false),
+        both(description, {"auto", {}}, scene, true);
     EXPECT_FALSE(alone.unresolved().empty());
     EXPECT_TRUE(both.unresolved().empty());
     EXPECT_EQ(both.name(), "bidirectional+vcm");
