@@ -269,7 +269,7 @@ TEST(ReferenceMethod, TakesTheRemainder) {
     EXPECT_NE(later[Component::caustic]->rgb, whole[Component::caustic]->rgb);
     // Nothing remains under a lamp.
     const auto lit = room({.light = lit_rooms::lamp, .ball = lit_rooms::glass_ball});
-    EXPECT_FALSE(ReferenceMethod(method, {"auto", {}}, lit, true).makes_remainder());
+    EXPECT_FALSE(ReferenceMethod(description, {"auto", {}}, lit, true).makes_remainder());
 }
 
 }  // namespace
