@@ -101,12 +101,13 @@ std::vector<std::string> Verdicts::warnings(const Rounds& rounds, const MethodLa
     if (!names.empty())
         all.push_back(fmt::format("not sampled by '{}': {}; no verdict on it", label.text(), fmt::join(names, ", ")));
     const ReferenceLayer& total = rounds.reference().total;
-    if (!total.bias.empty())
+    const double bias = total.bias.empty() ? 0 : relative_bias(total, {total, rounds.epsilon()});
+    if (bias > 0)
         all.push_back(
             fmt::format("merging has biased the reference by an estimated {:.2g} %, which its error and all intervals "
                         "include",
-                        100 * relative_bias(total, {total, rounds.epsilon()})));
-    else if (!method.unbiased)
+                        100 * bias));
+    else if (total.bias.empty() && !method.unbiased)
         all.push_back(fmt::format("the reference's method '{}' is biased: its standard error does not hold the bias",
                                   label.text()));
     if (const DroppedSamples& dropped = rounds.groups.dropped; dropped.count > 0)
