@@ -6,8 +6,8 @@
 
 namespace gib {
 
-/// A class of directions for trace_path_in(). `OnSample` is called for each sample of the chains: (PathWalk, Sample, number of its
-/// rays).
+/// A class of directions for trace_path_in(). `OnSample` is called for each sample of the chains: (PathWalk, Sample,
+/// number of its rays).
 template <typename OnSample>
 class ChainDirections : public BsdfDirections {
 public:
@@ -16,7 +16,7 @@ public:
 
     bool leaves_out(PathWalk& walk, const std::optional<SurfaceHit>& hit) const {
         if (!hit || !hit->emitter || !start_ || events_.length == 0) return false;
-        return chains_.makes(walk.rays, {*start_, medium_, walk.at.stratum}, wo_local_, w_, events_, *hit);
+        return chains_.makes(walk, {*start_, medium_, walk.at.stratum}, wo_local_, w_, events_, *hit);
     }
 
     template <typename Add>

@@ -37,8 +37,9 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 }
 
 /// Whether Newton's method has found the same chain twice. Directions may differ by four times the errors of both, and by
-/// 1e-4 for the rounding of p in single precision, which chains magnify. Different chains are hundredths apart and more.
-bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
+/// 1e-5 for the rounding of p in single precision, which chains magnify. Next to the edge of a caustic two chains are
+/// nearer to each other than that, and are taken for one.
+bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-5 + 4 * (a.error + b.error); }
 
 /// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
 /// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
@@ -199,9 +200,13 @@ struct Densities {
 
 }  // namespace
 
-bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
+bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local, const Vec3& w,
                          const ChainEvents& events, const SurfaceHit& y) const {
     if (!(lights_.probability(y.light) > 0.f) || events.length < 1 || events.length > longest_) return false;
+    // What the straight line leads to may depend on the wavelength, although this path does not.
+    if (scene_.has_dispersion() && !start.stratum)
+        start.stratum = static_cast<int>(wavelength_strata * walk.flights.next());
+    RayQueries& rays = walk.rays;
     const auto chain = trace_chain(rays, start, w, events);
     if (!chain) return false;
     const auto light = light_at(*chain, y.light, y);
@@ -303,6 +308,7 @@ private:
 
 ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
                                           ChainCounts& counts) const {
+    if (longest < 1) return {};
     NumberStream& u = walk.flights;
     const auto light = lights_.sample(u.next());
     const double q = samples_ * double{light.probability};
@@ -318,7 +324,7 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     const std::size_t table = table_of(light.index, straight);
     const double searches = first ? further_searches : 1;
     if (double{u.next()} < searches && kinds_[table].total() > 0) {
-        const auto choice = kinds_[table].sample(light.u);
+        const auto choice = kinds_[table].sample(u.next());
         const Kind kind = kind_of(choice.index);
         const auto other = kind.events.length <= longest ? search.find_by_seed(kind) : std::nullopt;
         if (other && !(first && *straight == kind && is_same(*other, *first)))

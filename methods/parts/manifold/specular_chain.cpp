@@ -8,6 +8,8 @@ namespace {
 
 /// A chain has converged if its last direction misses the light by less [rad]; one further step then squares the error.
 constexpr double converged = 1e-4;
+/// Chains of a larger error have a nearly singular M, next to the edge of a caustic, and count as not found.
+constexpr double largest_error = 1e-3;
 constexpr int most_steps = 12;
 constexpr double smallest_damping = 1. / 16;
 /// No step moves x_1 farther than this, in units of its distance from x.
@@ -38,7 +40,7 @@ Constraint constraint_of(const Chain& chain, const ChainEnd& end) {
 std::optional<ScatteredRay> delta_ray(const SurfaceHit& hit, const Vec3& wo, bool transmits) {
     // The largest random number chooses transmission, the smallest reflection.
     const Vec2 u(transmits ? 1.f - unit_roundoff : 0.f, 0.f);
-    auto ray = sample_scattering(hit, hit.shading.to_local(wo), u, Vec2::Zero(), Transport::radiance, Lobes::specular);
+    auto ray = sample_scattering(hit, hit.shading.to_local(wo), u, Vec2::Zero(), Transport::radiance, Lobes::all);
     if (!ray || !ray->delta || (ray->wi.dot(hit.ng) * wo.dot(hit.ng) < 0.f) != transmits) return std::nullopt;
     ray->weight *= ray->pdf_w;
     return ray;
@@ -169,7 +171,7 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
         is_near = at.mismatch < converged;
     }
     chain->error = at.step.norm();
-    return at.mismatch < converged && std::isfinite(chain->error) ? chain : std::nullopt;
+    return at.mismatch < converged && chain->error < largest_error ? chain : std::nullopt;
 }
 
 double determinant_of(const Chain& chain, const ChainEnd& end) {
