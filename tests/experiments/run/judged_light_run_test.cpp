@@ -109,15 +109,6 @@ protected:
     }
 };
 
-TEST_F(ReferenceFromElsewhere, WithoutAStandardErrorSeparatesNoBias) {
-    ASSERT_THAT(run_with("'r1.exr'"), exits(0));
-    EXPECT_THAT(read_file(results("table.md")), HasSubstr("no standard error: bias and noise cannot be separated"));
-    const CsvTable rows = table();
-    for (const char* column : {"bias2", "bias2_lo", "bias2_hi", "bias_state"})
-        EXPECT_EQ(field_of(rows, column, 0), "") << column;
-    EXPECT_NE(field_of(rows, "rel_mse", 0), "");
-}
-
 TEST_F(ReferenceFromElsewhere, HasTheStandardErrorOfItsReplicates) {
     ASSERT_THAT(run_with("['r1.exr', 'r2.exr', 'r3.exr']"), exits(0));
     const Reference reference = read_reference(ResultFolder(results("")).reference_image("tiny"));
@@ -203,14 +194,6 @@ protected:
         return read_file(results("table.md"));
     }
 };
-
-TEST_F(UnjudgedLight, HasNoCheapestMethod) {
-    EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-                AllOf(HasSubstr("the reference does not judge the light of caustic"), Not(HasSubstr("(cheapest")),
-                      Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
-        << "neither the reference nor a method has the caustic";
-    EXPECT_THAT(read_file(results("report.html")), HasSubstr("not judged"));
-}
 
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
     EXPECT_THAT(table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
