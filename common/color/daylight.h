@@ -17,7 +17,7 @@ inline constexpr double least_turbidity = 1, largest_turbidity = 10;
 /// integral of the observer's y [nm].
 inline constexpr double luminance_per_radiance = 683 * observer_y_integral;
 
-/// The radiance of a clear sky, of which Hosek and Wilkie give the coefficients for linear RGB with sRGB's primaries.
+/// The radiance of a clear sky. Hosek and Wilkie give the coefficients for linear RGB with sRGB's primaries.
 /// Each channel is the radiance L_M times F of the angle theta between direction and zenith and of the angle gamma
 /// between direction and sun, the paper's extension of Perez's formula,
 ///     F(theta, gamma) = (1 + A exp(B / (cos theta + 0.01)))

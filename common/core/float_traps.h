@@ -10,7 +10,7 @@ namespace gib {
 inline constexpr bool float_traps_built = GIB_FLOAT_TRAPS;
 
 /// From this call on, invalid operations (0 / 0, infinity - infinity, the square root of -1, NaN converted to an
-/// integer) and divisions by zero raise SIGFPE in this thread and in those that it starts.
+/// integer) and divisions by zero raise SIGFPE in this thread and in threads that it starts.
 inline void trap_floating_point_errors() {
 #if GIB_FLOAT_TRAPS
     ::feenableexcept(FE_INVALID | FE_DIVBYZERO);

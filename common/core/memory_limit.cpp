@@ -48,10 +48,11 @@ double left_in(const fs::path& group) {
 }
 
 /// The minimum over the process's control group and all groups above it.
-double left_by_groups(const std::string& proc, const fs::path& root) {
+double left_by_groups() {
     constexpr std::string_view start = "0::";  // beginning of the line that names the group
+    const fs::path root = "/sys/fs/cgroup";
     double least = left_in(root);
-    std::ifstream file(proc + "/self/cgroup");
+    std::ifstream file("/proc/self/cgroup");
     for (std::string line; std::getline(file, line);) {
         if (!line.starts_with(start)) continue;
         fs::path folder = root;
@@ -73,14 +74,9 @@ double left_by(int resource, const char* used_name) {
 
 }  // namespace
 
-double available_memory(const std::string& proc, const std::string& control_groups) {
-    return std::min(entry_in(proc + "/meminfo", "MemAvailable").value_or(unlimited),
-                    left_by_groups(proc, control_groups));
-}
-
 double available_memory() {
-    return std::min(
-        {available_memory("/proc", "/sys/fs/cgroup"), left_by(RLIMIT_AS, "VmSize"), left_by(RLIMIT_DATA, "VmData")});
+    return std::min({entry_in("/proc/meminfo", "MemAvailable").value_or(unlimited), left_by_groups(),
+                     left_by(RLIMIT_AS, "VmSize"), left_by(RLIMIT_DATA, "VmData")});
 }
 
 void require_memory(double bytes, const std::string& what, const SourceLocation& where) {

@@ -13,10 +13,6 @@ namespace gib {
 /// of them is known.
 double available_memory();
 
-/// The same minimum, but over the system and the control groups only [bytes]. `proc` and `control_groups` are the
-/// folders in which the system shows these values, /proc and /sys/fs/cgroup.
-double available_memory(const std::string& proc, const std::string& control_groups);
-
 /// Throws InputError `WHAT needs N bytes, and M are available` if `bytes` is larger than available_memory().
 void require_memory(double bytes, const std::string& what, const SourceLocation& where = {});
 

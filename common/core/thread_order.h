@@ -18,7 +18,7 @@ public:
     LoopOrder(const LoopOrder&) = delete;
     LoopOrder& operator=(const LoopOrder&) = delete;
 
-    /// An object of this class must live as long as one block of the loop runs.
+    /// An object of this class lives from the beginning to the end of one block of the loop.
     class Block {
     public:
         explicit Block(LoopOrder& loop) : loop_(loop) { await(loop_.start_); }

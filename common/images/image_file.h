@@ -34,7 +34,7 @@ void write_scratch_exr(const std::string& path, const LayeredImage& image);
 /// channel; the metadata are the string attributes. Throws InputError if the file is missing or is not an image.
 LayeredImage read_image(const std::string& path);
 
-/// The string attributes of an EXR file, of which only the header is read; empty if there is no such file or if it is
+/// The string attributes of an EXR file. Only the header is read; empty if there is no such file or if it is
 /// not an EXR file.
 std::optional<std::map<std::string, std::string>> exr_attributes(const std::string& path);
 

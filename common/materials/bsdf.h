@@ -69,7 +69,7 @@ public:
         bool flipped = false;  ///< its front is the surface's back
         std::optional<Eigen::Matrix3f> to_layer =
             {};  ///< from the shading frame to a tilted one: orthogonal, includes the flip
-        std::vector<Perturbation> perturbations = {};  ///< maps that tilted it, without those that do nothing
+        std::vector<Perturbation> perturbations = {};  ///< maps that tilted it, if they have an effect
         std::shared_ptr<const Coat> coat = {};         ///< what covers the model, in the layer's frame; null: nothing
 
         bool exists_for(const Vec3& eye) const;

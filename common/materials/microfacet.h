@@ -26,7 +26,7 @@ enum class MicrofacetType {
 struct MicrofacetDistribution {
     MicrofacetType type = MicrofacetType::beckmann;
     /// Roughness along x and y; for Beckmann with equal values, the root mean square slope. Values below min_alpha
-    /// act as min_alpha, as in Mitsuba 3: narrower lobes cannot be told apart in single precision, and the smooth
+    /// act as min_alpha, as in Mitsuba 3: narrower lobes are equal in single precision, and the smooth
     /// models are meant for a roughness of 0.
     float alpha_u = 0.1f, alpha_v = 0.1f;
 

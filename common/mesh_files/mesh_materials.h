@@ -1,5 +1,5 @@
 #pragma once
-// Meshes of which each file's material is a part.
+// Parts of a mesh by the materials of its file.
 
 #include "common/mesh_files/mesh_data.h"
 

@@ -24,7 +24,7 @@ struct Ms3dGroup {
 };
 
 struct Ms3dModel {
-    std::vector<Ms3dGroup> groups;  ///< those that have triangles
+    std::vector<Ms3dGroup> groups;  ///< groups with triangles
     std::vector<Ms3dMaterial> materials;
 };
 

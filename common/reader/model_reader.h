@@ -1,5 +1,5 @@
 #pragma once
-// Reads the parameters of a scattering model, each of which may be a texture.
+// Reads the parameters of a scattering model. Each may be a texture.
 
 #include "common/core/reject.h"
 #include "common/materials/material.h"

@@ -2,15 +2,12 @@
 
 #include "common/core/float_traps.h"
 #include "common/core/reject.h"
-#include "common/mesh_files/mesh_materials.h"
 #include "common/reader/medium_check.h"
 #include "common/reader/scene_bsdf.h"
-#include "common/reader/scene_displacement.h"
 #include "common/reader/scene_emitter.h"
 #include "common/reader/scene_medium.h"
-#include "common/reader/scene_ms3d.h"
 #include "common/reader/scene_sensor.h"
-#include "common/reader/scene_shape.h"
+#include "common/reader/shape_reader.h"
 #include "common/reader/view_hash.h"
 #include "common/scene/coincident_shapes.h"
 #include "common/xml/scene_spectrum.h"
@@ -19,17 +16,24 @@
 #include <algorithm>
 #include <climits>
 #include <filesystem>
-#include <set>
 
 namespace gib {
 
 namespace {
 
+bool is_shape(const NestedObject& object, std::string_view plugin) {
+    const XmlAttribute* type = object.element->find("type");
+    return type && type->value == plugin;
+}
+
 /// Collects the objects of a <scene>.
 class SceneBuilder {
 public:
     SceneBuilder(const ExpandedXml& xml, ContentHash& hash, LoadWarnings& warnings)
-        : ids_(xml.root, warnings), files_(xml.files), hash_(hash), textures_(files_, hash_, ids_) {}
+        : ids_(xml.root, warnings),
+          textures_(xml.files, hash, ids_),
+          materials_(textures_),
+          shapes_(xml.files, hash, textures_, media_, materials_) {}
 
     /// Unknown parameters are added to `errors`; without it the first one throws.
     void collect_unknown(LoadErrors* errors) { ids_.collect_unknown(errors); }
@@ -42,9 +46,9 @@ public:
         parse_bsdf(bsdf, textures_);
     }
     void check_medium(const NestedObject& medium) { parse_medium(medium, textures_, Vec3d::Zero()); }
-    void add_medium(const NestedObject& medium) { medium_index(medium); }
+    void add_medium(const NestedObject& medium) { media_.index_of(medium); }
     void set_camera_medium(const std::optional<NestedObject>& medium) {
-        camera_medium_ = medium ? medium_index(*medium) : no_medium;
+        camera_medium_ = medium ? media_.index_of(*medium) : no_medium;
     }
 
     void add_shape(const NestedObject& object) {
@@ -55,7 +59,7 @@ public:
         } else if (is_shape(object, "merge")) {
             add_merged(object);
         } else {
-            bounds_.extend(add_shapes(object, pending_));
+            bounds_.extend(shapes_.add_shapes(object, pending_));
         }
     }
 
@@ -67,13 +71,12 @@ public:
         SceneParts parts;
         parts.origin = center(root);
         parts.objects = recentred_objects(pending_, parts.origin);
-        lift_lamps_off_surfaces(parts.objects, materials_);
-        refuse_coincident_shapes(parts.objects, materials_, places_of(pending_));
+        lift_lamps_off_surfaces(parts.objects, materials_.all());
+        refuse_coincident_shapes(parts.objects, materials_.all(), places_of(pending_));
         place_instances(parts);
         parts.lights = parse_emitters(parts.origin);
-        parts.materials = std::move(materials_);
-        for (const auto& medium : media_)
-            parts.media.push_back(parse_medium(medium, textures_, parts.origin));
+        parts.materials = materials_.take();
+        parts.media = media_.read(textures_, parts.origin);
         parts.camera_medium = camera_medium_;
         parts.sensor = std::move(sensor);
         return parts;
@@ -81,36 +84,23 @@ public:
 
     /// The media as the file names them, for a scene of the parts that finish() has returned.
     NamedMedia named_media() const {
-        NamedMedia named{.shapes = {}, .names = {}, .camera = camera_medium_};
-        const auto add = [&](const std::vector<Pending>& shapes) {
-            for (const Pending& shape : shapes)
+        NamedMedia named{.shapes = {}, .names = media_.names(), .camera = camera_medium_};
+        const auto add = [&](const std::vector<PendingShape>& shapes) {
+            for (const PendingShape& shape : shapes)
                 named.shapes.push_back({shape.where, shape.media});
         };
         add(pending_);
         for (const std::uint32_t group : placed_groups_)
             add(groups_[group].members);
-        for (const NestedObject& medium : media_) {
-            const XmlAttribute* id = medium.element->find("id");
-            named.names.push_back(id ? fmt::format("medium '{}'", id->value)
-                                     : format_location(medium.element->where, "the medium"));
-        }
         return named;
     }
 
     const XmlIds& ids() const { return ids_; }
 
 private:
-    struct Pending {
-        SourceLocation where;
-        ParsedShape shape;
-        SourceLocation emitter_where;
-        std::uint32_t material;
-        std::optional<Texture> radiance;
-        MediumSides media{};
-    };
     /// A shapegroup. Its own origin is the centre of its bounds.
     struct PendingGroup {
-        std::vector<Pending> members;
+        std::vector<PendingShape> members;
         BoundsD bounds;
         std::optional<std::uint32_t> index;  ///< index of the group in the scene, once an instance shows it
     };
@@ -119,103 +109,6 @@ private:
         std::uint32_t group;
         Mat4d to_world;
     };
-
-    static bool is_shape(const NestedObject& object, std::string_view plugin) {
-        const XmlAttribute* type = object.element->find("type");
-        return type && type->value == plugin;
-    }
-
-    /// Appends the shapes of an element that has a surface to `to`. Returns their bounds.
-    BoundsD add_shapes(const NestedObject& object, std::vector<Pending>& to) {
-        Properties properties(*object.element, ids_);
-        const auto bsdfs = properties.objects("bsdf");
-        const auto emitter = properties.object("emitter");
-        MediumSides media;
-        for (const auto& [name, side] :
-             {std::pair("interior", &media.interior), std::pair("exterior", &media.exterior)})
-            if (const auto medium = properties.named_object(name, "medium")) {
-                *side = medium_index(*medium);
-                media.boundary = true;
-            }
-        properties.number("silhouette_sampling_weight");  // for Mitsuba's derivatives; no effect here
-        ParsedShapes shapes = parse_shapes(properties, bsdfs, files_, hash_);
-        const bool by_material = !shapes.parts.empty() && shapes.parts.front().material_name;
-        if (by_material) warn_of_materials(object, shapes, bsdfs);
-        else if (bsdfs.size() > 1) throw InputError(bsdfs[1].where, "<shape> can hold only one <bsdf>");
-        displace_shapes(properties, shapes, textures_);
-        properties.finish();
-        for (const auto& warning : shapes.warnings)
-            ids_.warn({}, warning);  // it names its own place
-        std::optional<Texture> radiance;
-        if (emitter) {
-            const MeshInView view(textures_, mesh_of(shapes));
-            radiance = parse_area_emitter(*emitter, textures_);
-            area_emitters_.insert(emitter->element);
-        }
-        const auto without_bsdf = [&] { return default_material(object, emitter.has_value(), media.boundary); };
-        const bool has_bsdf = !by_material && !bsdfs.empty();
-        const std::uint32_t material = has_bsdf ? material_index(bsdfs[0], mesh_of(shapes)) : 0;
-        std::map<std::uint32_t, std::uint32_t> index_of_material;
-        BoundsD bounds;
-        for (auto& part : shapes.parts) {
-            bounds.extend(bounds_of(part.shape));
-            Pending pending{.where = object.where,
-                            .shape = std::move(part.shape),
-                            .emitter_where = emitter ? emitter->where : object.where,
-                            .material = 0,
-                            .radiance = radiance,
-                            .media = media};
-            if (!emitter && part.material && !is_black(shapes.materials[*part.material].emissive))
-                pending.radiance = Texture(shapes.materials[*part.material].emissive);
-            if (has_bsdf) {
-                pending.material = material;
-            } else if (by_material) {
-                const NestedObject* bsdf = bsdf_of(*part.material_name, bsdfs);
-                pending.material = bsdf ? material_index(*bsdf, nullptr) : without_bsdf();
-            } else if (part.material) {
-                const auto [it, is_new] = index_of_material.emplace(*part.material, materials_.size());
-                if (is_new)
-                    materials_.push_back(material_of(shapes.materials[*part.material], textures_, object.where));
-                pending.material = it->second;
-            } else {
-                pending.material = without_bsdf();
-            }
-            to.push_back(std::move(pending));
-        }
-        return bounds;
-    }
-
-    /// The bsdf of a material of an OBJ file: that of its name, else the last one without a name. Null if there is neither.
-    static const NestedObject* bsdf_of(const std::string& material, const std::vector<NestedObject>& bsdfs) {
-        const NestedObject *alike = nullptr, *unnamed = nullptr;
-        for (const NestedObject& bsdf : bsdfs) {
-            if (bsdf.name.empty()) unnamed = &bsdf;
-            else if (bsdf.name == material) return &bsdf;
-            else if (is_same_material(bsdf.name, material)) alike = &bsdf;
-        }
-        return alike ? alike : unnamed;
-    }
-
-    /// Warns of bsdfs whose name is no material of the OBJ file, and of materials without a bsdf.
-    void warn_of_materials(const NestedObject& object, const ParsedShapes& shapes,
-                           const std::vector<NestedObject>& bsdfs) const {
-        for (const NestedObject& bsdf : bsdfs)
-            if (!bsdf.name.empty() && std::none_of(shapes.parts.begin(), shapes.parts.end(), [&](const auto& part) {
-                    return is_same_material(bsdf.name, *part.material_name);
-                }))
-                ids_.warn(bsdf.where, fmt::format("no face of the OBJ file has the material '{}'", bsdf.name));
-        for (const auto& part : shapes.parts)
-            if (!bsdf_of(*part.material_name, bsdfs))
-                ids_.warn(object.where,
-                          fmt::format("the material '{}' of the OBJ file has no bsdf here: it is the default",
-                                      *part.material_name));
-    }
-
-    /// The mesh of an element with one shape, for its attributes; null if the shape is none.
-    static const MeshData* mesh_of(const ParsedShapes& shapes) {
-        const auto* mesh = shapes.parts.size() == 1 ? std::get_if<ParsedMesh>(&shapes.parts.front().shape) : nullptr;
-        return mesh ? &mesh->data : nullptr;
-    }
 
     /// The group of a <shape type="shapegroup">, which is read at its first mention.
     std::uint32_t group_index(const XmlElement& element) {
@@ -228,7 +121,7 @@ private:
             for (const std::string_view plugin : {"shapegroup", "instance"})
                 if (is_shape(member, plugin)) reject(member.where, "a shapegroup cannot hold a shape '{}'", plugin);
             const std::size_t first = group.members.size();
-            group.bounds.extend(add_shapes(member, group.members));
+            group.bounds.extend(shapes_.add_shapes(member, group.members));
             for (std::size_t i = first; i < group.members.size(); ++i)
                 if (group.members[i].radiance)
                     throw InputError(group.members[i].emitter_where, "an emitter cannot stand in a shapegroup");
@@ -268,14 +161,14 @@ private:
         return center;
     }
 
-    static std::vector<SourceLocation> places_of(const std::vector<Pending>& pending) {
+    static std::vector<SourceLocation> places_of(const std::vector<PendingShape>& pending) {
         std::vector<SourceLocation> places;
-        for (const Pending& p : pending)
+        for (const PendingShape& p : pending)
             places.push_back(p.where);
         return places;
     }
 
-    static std::vector<SceneParts::Object> recentred_objects(std::vector<Pending>& pending, const Vec3d& origin) {
+    static std::vector<SceneParts::Object> recentred_objects(std::vector<PendingShape>& pending, const Vec3d& origin) {
         std::vector<SceneParts::Object> objects;
         for (auto& p : pending) {
             SceneParts::Object object{.shape = recentred(std::move(p.shape), origin, p.where),
@@ -303,7 +196,7 @@ private:
                 group.index = static_cast<std::uint32_t>(parts.groups.size());
                 placed_groups_.push_back(instance.group);
                 parts.groups.push_back(recentred_objects(group.members, center));
-                refuse_coincident_shapes(parts.groups.back(), materials_, places_of(group.members));
+                refuse_coincident_shapes(parts.groups.back(), materials_.all(), places_of(group.members));
             }
             Mat4d to_scene = instance.to_world;
             to_scene.topRightCorner<3, 1>() += to_scene.topLeftCorner<3, 3>() * center - parts.origin;
@@ -318,7 +211,7 @@ private:
     std::vector<Light> parse_emitters(const Vec3d& origin) {
         std::vector<Light> lights;
         for (const auto& emitter : emitters_) {
-            if (area_emitters_.count(emitter.element)) continue;  // it stands in the shape that refers to it
+            if (shapes_.has_read(emitter.element)) continue;  // it stands in the shape that refers to it
             std::vector<Light> parsed = parse_emitter(emitter, textures_, origin);
             std::move(parsed.begin(), parsed.end(), std::back_inserter(lights));
             if (std::count_if(lights.begin(), lights.end(), is_environment) > 1)
@@ -328,62 +221,17 @@ private:
         return lights;
     }
 
-    /// A bsdf that several shapes refer to is one material, unless it takes attributes of their meshes.
-    std::uint32_t material_index(const NestedObject& bsdf, const MeshData* mesh) {
-        if (const auto it = material_of_element_.find(bsdf.element); it != material_of_element_.end())
-            return it->second;
-        const MeshInView view(textures_, mesh);
-        Material material = parse_bsdf(bsdf, textures_);
-        if (!view.attribute_taken()) return keep_material(bsdf, std::move(material));
-        materials_.push_back(std::move(material));
-        return static_cast<std::uint32_t>(materials_.size() - 1);
-    }
-
-    std::uint32_t keep_material(const NestedObject& bsdf, Material&& material) {
-        materials_.push_back(std::move(material));
-        return material_of_element_[bsdf.element] = static_cast<std::uint32_t>(materials_.size() - 1);
-    }
-
-    /// A medium that several shapes refer to is one. It is read once the scene's origin is known.
-    std::uint32_t medium_index(const NestedObject& medium) {
-        const auto [it, is_new] = medium_of_element_.emplace(medium.element, static_cast<std::uint32_t>(media_.size()));
-        if (is_new) media_.push_back(medium);
-        return it->second;
-    }
-
-    /// Mitsuba's default material of a shape: a grey diffuse surface, or a black one for a light. The boundary of a medium lets
-    /// light through in old files only (Mitsuba 0.6, Shape::configure).
-    std::uint32_t default_material(const NestedObject& shape, bool emitter, bool boundary) {
-        const bool is_open = boundary && !emitter && shape.element->old;
-        if (boundary && !emitter && !is_open)
-            ids_.warn(shape.where,
-                      "the boundary of a medium without a bsdf is grey and opaque, as in Mitsuba, so that light hardly "
-                      "reaches the medium; <bsdf type=\"null\"/> would let it through");
-        auto& index = default_materials_[is_open ? 2 : emitter ? 1 : 0];
-        if (!index) {
-            index = static_cast<std::uint32_t>(materials_.size());
-            const Scattering surface = Diffuse{Color::Constant(emitter ? 0.f : 0.5f)};
-            materials_.push_back(is_open ? Material(Nothing{}) : Material(surface));
-        }
-        return *index;
-    }
-
     XmlIds ids_;
-    const FileFinder& files_;
-    ContentHash& hash_;
     TextureFiles textures_;
-    std::vector<Pending> pending_;
+    SceneMedia media_;
+    SceneMaterials materials_;
+    ShapeReader shapes_;
+    std::vector<PendingShape> pending_;
     std::vector<PendingGroup> groups_;
     std::map<const XmlElement*, std::uint32_t> group_of_element_;
     std::vector<PendingInstance> instances_;
     std::vector<std::uint32_t> placed_groups_;  ///< indices into groups_, in the order of the scene's
     std::vector<NestedObject> emitters_;
-    std::set<const XmlElement*> area_emitters_;  ///< emitter elements of the shapes
-    std::vector<Material> materials_;
-    std::map<const XmlElement*, std::uint32_t> material_of_element_;
-    std::optional<std::uint32_t> default_materials_[3];  ///< grey, black and none
-    std::vector<NestedObject> media_;
-    std::map<const XmlElement*, std::uint32_t> medium_of_element_;
     std::uint32_t camera_medium_ = no_medium;
     BoundsD bounds_;
 };

@@ -48,7 +48,7 @@ struct ParsedShapes {
 
 using BoundsD = Eigen::AlignedBox3d;
 
-/// Reads a shape that has a surface, with the parameters of its own; the caller reads those that every shape takes.
+/// Reads a shape that has a surface, with the parameters of its own; the caller reads the parameters of all shapes.
 /// The bytes of mesh files are added to `hash`. An OBJ file is parted by its materials if the element has several `bsdfs`
 /// or one whose name is that of a material. Throws InputError, for an error inside a mesh file at its place in
 /// that file.

@@ -43,7 +43,7 @@ public:
             if (!std::isfinite(x)) reject(where, "bad number '{}'", x);
         if (!wavelengths.empty() && wavelength <= wavelengths.back())
             reject(where, "the wavelengths must increase: {} follows {}", wavelength, wavelengths.back());
-        // A negative value may be noise, which only the highest value can tell.
+        // Whether a negative value is noise depends on the highest value.
         const bool waits = purpose_.range == ColorRange::non_negative && value < 0;
         if (waits && value < lowest_) {
             lowest_ = value;

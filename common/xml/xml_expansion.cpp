@@ -35,7 +35,7 @@ public:
         known_.insert(name);
     }
 
-    /// Puts the values of its parameters into an attribute. Returns the names of those that have none, each once.
+    /// Puts the values of its parameters into an attribute. Returns the names of parameters without a value, each once.
     std::vector<std::string> substitute(XmlAttribute& attribute) {
         std::vector<std::string> without;
         std::string result;
@@ -120,7 +120,7 @@ bool may_be_left_out(const XmlElement& element) {
 }
 
 /// In Mitsuba <texture type="..."> and <spectrum type="..."> make objects of one class, whose plugins may stand under
-/// either tag. Here <spectrum> is for those that are the same everywhere and <texture> for those that vary.
+/// either tag. Here <spectrum> is for plugins that are the same everywhere and <texture> for varying ones.
 void unify_texture_tag(XmlElement& element) {
     if (element.tag != "texture" && element.tag != "spectrum") return;
     const XmlAttribute* type = element.find("type");

@@ -71,7 +71,7 @@ public:
     /// Throws InputError at `name` if `other` is given too.
     void exclude(const std::string& name, const std::string& other) const;
 
-    /// Declares that the plugin takes the parameter `name`, though perhaps not together with those that are given.
+    /// Declares that the plugin takes the parameter `name`, though perhaps not together with the given ones.
     void declare(const std::string& name);
     // Reading a property declares that the plugin takes it. All readers throw InputError for a value of another kind.
     std::optional<double> number(const std::string& name);
@@ -123,7 +123,7 @@ public:
     /// The nested object of a kind, if there is one. Throws InputError at a second one.
     std::optional<NestedObject> object(const std::string& tag);
 
-    /// Rejects the properties and objects that were not asked for (XmlIds::reject_unknown), and lists those that were. In old files
+    /// Rejects properties and objects that were not read (XmlIds::reject_unknown), and lists the known ones. In old files
     /// (XmlElement::old) it only warns of properties that Mitsuba 0.6 does not know either, as Mitsuba 0.6 does.
     void finish() const;
     /// In place of finish(), where what was not asked for changes no image: warns that it has no effect, unless its name

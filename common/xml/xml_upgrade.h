@@ -52,7 +52,7 @@ bool has_old_names(const XmlElement& root);
 ///    given.
 /// Three differences depend on more than the element, so that the readers see to them: spectra are converted without an
 /// illuminant (scene_spectrum.h); reflectances above 1 are scaled down (model_reader.h); the boundary of a medium without a bsdf
-/// lets light through (scene_file.cpp).
+/// lets light through (shape_reader.cpp).
 ///
 /// As the files data/schema/upgrade_0.*.xsl of Mitsuba 0.6 say: before 0.5 a bumpmap was called bump. Before 0.4 a sensor was
 /// called camera, looked at a mirrored world, and took its angle of view on the smaller side unless map_smaller_side was false; an emitter was

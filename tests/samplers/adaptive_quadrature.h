@@ -21,8 +21,7 @@ using PlaneFunction = std::function<double(const Vec2d&)>;
 
 struct Integral {
     double value = 0;
-    double error = 0;  ///< estimated standard deviation, see integrate()
-    std::size_t evaluations = 0;
+    double error = 0;       ///< estimated standard deviation, see integrate()
     bool converged = true;  ///< the error is below the tolerance
 };
 

@@ -107,9 +107,6 @@ struct CaseResult {
     std::string name;
     std::vector<PValue> p_values;
     std::vector<std::string> failures;  ///< failures of the tests whose outcome is not a matter of chance
-    double integral = 0, integral_error = 0;
-    double mean_weight = 0;
-    std::size_t evaluations = 0;  ///< number of evaluations of the density and of the weights' numerator
 };
 
 /// Draws `samples` and tests:

@@ -151,17 +151,13 @@ TEST(ObjFile, IsPartedByItsMaterials) {
 TEST(ObjFile, ErrorsNameThePlace) {
     expect_errors({{"v 0 0\nf 1 1 1\n", "1:6", "a number is missing"},
                    {"v 0 0 0\nv 0 x 0\n", "2:5", "bad number 'x'"},
-                   {"v 0 0 1.5y\n", "1:7", "bad number '1.5y'"},
                    {"v 0 nan 0\n", "1:5", "a vertex is not finite"},
-                   {"v 0 0 inf\n", "1:7", "a vertex is not finite"},
                    {"v 0 0 0\nf 1 1 2\n", "2:7", "vertex index 2 is out of range"},
-                   {"v 0 0 0\nf 0 1 1\n", "2:3", "vertex index 0 is out of range"},
                    {"v 0 0 0\nf 1/1 1 1\n", "2:5", "texture coordinate index 1 is out of range"},
                    {"v 0 0 0\nf 1 1\n", "3:1", "the mesh is empty"},
                    {"v 0 0 0\nvn 0 0 1\nf 1// 1 1// 1\n", "3:6", "a normal index is missing"},
                    {"v 0 0 0\nf 1 \\\n 1 x\n", "3:4", "bad number 'x'"},
                    {"v 0 0 0\nf 1 1 1//\r\n", "2:10", "a normal index is missing"},
-                   {"v 0 0 0\n", "", "the mesh is empty"},
                    {"", "1:1", "the mesh is empty"}},
                   obj_error, "m.obj");
 }
@@ -261,15 +257,12 @@ TEST(PlyFile, ErrorsNameThePlace) {
                              "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     expect_errors({{"play\n", "1:1", "not a PLY file"},
                    {"ply\nformat text 1.0\n", "2:8", "unknown PLY format 'text'"},
-                   {"ply\nformat ascii 1.0\nelement vertex x\n", "3:16", "bad number 'x'"},
                    {"ply\nformat ascii 1.0\nelement vertex 3\nproperty half x\n", "", "unknown PLY type 'half'"},
-                   {"ply\nformat ascii 1.0\nvertices 3\n", "3:1", "unknown word 'vertices'"},
                    {"ply\nformat ascii 1.0\nelement vertex 3\n", "", "there is no 'end_header'"},
                    {"ply\nelement vertex 0\n" + xyz + "end_header\n", "6:1", "the PLY header has no"},
                    {"ply\nformat ascii 1.0\nelement vertex 0\n" + xyz + "end_header\n", "", "the mesh is empty"},
                    {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "13:7", "vertex index 3 is out of range"},
                    {head + "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", "11:3", "vertex 1 is not finite"},
-                   {head + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "", "the mesh is empty"},
                    {head + "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "14:1", "truncated"}},
                   ply_error, "m.ply");
 }

@@ -95,18 +95,6 @@ TEST(PhotonsPage, AsksForNothingOutsideTheFile) {
     EXPECT_THAT(std::string(embedded_file("three.js")), HasSubstr("SPDX-License-Identifier: MIT"));
 }
 
-TEST(PhotonsPage, LooksThroughTheScenesCamera) {
-    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{64, 32}});
-    const CollectedLight light = light_of(box, "photon_mapper photons=500", 100, 1);
-    const json camera = json::parse(element_of_page(photons_page({box, "photon_mapper", 1, light}), "facts"))["camera"];
-    EXPECT_EQ(camera["aspect"], 2);
-    EXPECT_NEAR(camera["up"][1].get<double>(), 1, 1e-3);
-    const Ray top = box.scene->sensor().generate_ray(32, 0, Vec2(0.5f, 0.5f));
-    const Vec3 direction(camera["direction"][0], camera["direction"][1], camera["direction"][2]);
-    const double half = std::acos(std::min(1.0, static_cast<double>(top.d.normalized().dot(direction))));
-    EXPECT_NEAR(camera["fov"].get<double>() / 2, half * 180 / std::numbers::pi, 1.5) << "of 32 rows";
-}
-
 /// A channel of an image of the page at the pixels of its grid.
 std::vector<float> red_of(const std::string& page, const json& name) {
     std::vector<float> values = array<float>(page, name), red;
@@ -228,16 +216,6 @@ TEST(PhotonSubset, IsUniformOverPhotonsAndPasses) {
     for (const double count : counts)
         sum += sqr(count - shown / bins) / (shown / bins);
     EXPECT_LT(sum, 37.7);
-}
-
-TEST(PhotonSubset, CountsPowersThatAreNotFinite) {
-    StoredPhotons stored = photons_from("global", 3);
-    stored.photons[1].set_power(Color::Constant(std::numeric_limits<float>::quiet_NaN()));
-    PhotonSubset subset(10);
-    subset.add(stored, 0);
-    const auto maps = subset.maps();
-    EXPECT_EQ(maps[0].not_finite, 1u);
-    EXPECT_EQ(maps[0].mean_power(), 2) << "of the two others";
 }
 
 Vec3 corner(const SurfaceTriangles& t, std::size_t i) {

@@ -102,17 +102,6 @@ TEST_F(CompareZTest, ReplicatesAndStandardErrorsAreUsed) {
     EXPECT_EQ(run("x1.exr x1.exr r.exr").code, 0);
 }
 
-TEST_F(CompareZTest, WrongInputGivesTwo) {
-    write_reference();
-    write_test("x.exr", 1, 0.01f);
-    write("small.exr", one_layer(constant(1)));
-    folder_.write("text.exr", "no image");
-    for (const char* arguments : {"text.exr r.exr --z-test", "small.exr r.exr --z-test", "x.exr small.exr --z-test",
-                                  "none.exr r.exr --z-test", "x.exr none.exr --z-test", "x.exr --z-test"}) {
-        EXPECT_THAT(run(arguments), exits(2, Not(""))) << arguments;
-    }
-}
-
 // Renders of the right scene pass; with a lamp that is one percent dimmer they do not.
 TEST_F(CompareZTest, RendersPassAndAChangedLampDoesNot) {
     std::string xml = tiny_scene_xml(32);

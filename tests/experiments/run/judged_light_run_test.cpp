@@ -205,14 +205,6 @@ protected:
     }
 };
 
-TEST_F(UnjudgedLight, HasNoCheapestMethod) {
-    EXPECT_THAT(table("path", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 1024\n"),
-                AllOf(HasSubstr("the reference is incomplete or contradicted in caustic"), Not(HasSubstr("(cheapest")),
-                      Not(HasSubstr("## When the best method changes")), Not(HasSubstr("## Pareto frontier"))))
-        << "neither the reference nor a method has the caustic";
-    EXPECT_THAT(read_file(results("report.html")), HasSubstr("no verdict"));
-}
-
 TEST_F(UnjudgedLight, LeavesNoErrorWhereNothingIsJudged) {
     EXPECT_THAT(table("light_tracer", "[[method]]\nname = 'path'\nmax_depth = [0, 9]\nspp = 64\n"),
                 AllOf(HasSubstr("the reference is incomplete or contradicted"), HasSubstr("no verdict"),

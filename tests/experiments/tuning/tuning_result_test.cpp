@@ -195,21 +195,6 @@ TEST_F(TuneRun, AnswersOnABusyMachine) {
         one.join();
 }
 
-TEST_F(TuneRun, NamesThePlaceOfAWrongVariation) {
-    write("wrong.toml", "scenes = ['tiny.xml']\n[tune]\nmethod = 'path'\nvary = ['k=20..100']\n");
-    EXPECT_THAT(gibench("run wrong.toml"),
-                exits(2, StartsWith("wrong.toml:4:9: vary: no method here has a parameter 'k'")));
-    EXPECT_FALSE(fs::exists(path("results")));
-}
-
-TEST_F(TuneRun, TakesNumbersThatAreNotThoseOfToml) {
-    const ProgramResult result = gibench(
-        "tune tiny.xml --target 60% --minutes 0.1 --out r --vary radius=.05,1. --method 'photon_mapper photons=01000 "
-        "gather=0 area=plain direct_samples=1'");
-    EXPECT_THAT(result.out, HasSubstr("photon_mapper photons=01000 ")) << result.err;
-    EXPECT_THAT(read_file(path("r/table.csv")), HasSubstr("photon_mapper photons=1000 "));
-}
-
 TEST_F(TuneRun, BeginsNoCellWhenItsTimeIsUsedUp) {
     // In 2.4 s there is no time for 71 settings, as some trace 1e7 photons.
     const ProgramResult result = gibench("tune tiny.xml --target 30% --minutes 0.04 --method photon_mapper --out r");

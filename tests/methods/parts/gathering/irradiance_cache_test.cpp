@@ -284,11 +284,6 @@ std::vector<int> looks(std::size_t width, std::size_t height,
     return count;
 }
 
-TEST(RefinedGrid, LooksOnceAtEachPixelIfNothingIsServed) {
-    const auto count = looks(50, 37, [](std::size_t, std::size_t) { return false; });
-    EXPECT_EQ(count, std::vector<int>(count.size(), 1));
-}
-
 // If the last row and column of the image lie on the grid of step 4, only that grid and the coarser ones are looked at.
 // Beyond it the grid of step 2 looks at what the coarser one does not surround.
 TEST(RefinedGrid, LooksAtEveryFourthPixelIfAllAreServed) {
