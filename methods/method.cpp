@@ -2,6 +2,7 @@
 
 #include "common/core/nearest_word.h"
 #include "common/core/reject.h"
+#include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 
 #include <fmt/ranges.h>
@@ -58,6 +59,14 @@ int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults) 
     if (!values.given("max_depth")) return defaults.max_edges;
     const auto depth = static_cast<int>(values.integer("max_depth"));
     return depth == 0 ? std::numeric_limits<int>::max() : depth;
+}
+
+Parameter point_set_parameter() {
+    return choice_parameter("sampler", {"sobol", "independent"},
+                            "random numbers of a pixel's samples: Owen-scrambled Sobol' points, or independent ones");
+}
+PointSet point_set_of(const ParameterValues& values) {
+    return values.choice("sampler") == "sobol" ? PointSet::sobol : PointSet::independent;
 }
 
 Plan described_plan(const Scene& scene, const MethodDescription& method) {

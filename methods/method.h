@@ -107,6 +107,7 @@ struct RunCounts {
 
 enum class Progress { more, converged };
 
+enum class PointSet;
 struct StoredLight;
 
 /// The computation of one method for one scene and one seed; it is never reused.
@@ -178,6 +179,9 @@ const std::vector<Parameter>& shared_parameters();
 /// The largest number of edges of a path by `max_depth`: 0 in a label means unlimited, and the default holds if the
 /// label does not give it.
 int max_edges_of(const ParameterValues& values, const MethodDefaults& defaults);
+/// The parameter `sampler`: the random numbers of a method's paths.
+Parameter point_set_parameter();
+PointSet point_set_of(const ParameterValues& values);
 
 /// A plan without steps yet: the effects that the scene calls for, those that are
 /// missing, and the unresolved components.

@@ -67,8 +67,8 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Shape& shap
     const double d = double{cone.distance}, r = double{std::get<Sphere>(shape).radius};
     const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
     const double nx = t * x, ny = t * y, nz = -d * sin2 - inside * cosine;
-    const double length = std::sqrt((sqr(nx) + sqr(ny)) + sqr(nz));
-    const Vec3 n(static_cast<float>(nx / length), static_cast<float>(ny / length), static_cast<float>(nz / length));
+    const double per = 1 / std::sqrt((sqr(nx) + sqr(ny)) + sqr(nz));
+    const Vec3 n(static_cast<float>(nx * per), static_cast<float>(ny * per), static_cast<float>(nz * per));
     const SurfaceGeometry q = place_on_sphere(light, shape, frame.to_world(n));
     std::optional<LightSample> sample(std::in_place);  // member by member, as in seen_from_front()
     sample->wi = wi;

@@ -51,18 +51,19 @@ public:
         if (texture.constant()) return;
         parameters_.push_back({texture, nullptr, [](Scattering& s, float x) { Set{}(std::get<Model>(s), x); }});
     }
-    void reflectance() {
-        color("specular_reflectance", 1.f, ColorRange::unit,
-              [](Model& m, const Color& c) { m.specular_reflectance = c; });
+    /// The same for a member of the model. Colours are reflectances.
+    template <auto member>
+    void color(const std::string& name, float fallback) {
+        color(name, fallback, ColorRange::unit, [](Model& m, const Color& c) { m.*member = c; });
     }
-    void transmittance() {
-        color("specular_transmittance", 1.f, ColorRange::unit,
-              [](Model& m, const Color& c) { m.specular_transmittance = c; });
+    template <auto member>
+    void number(const std::string& name, float fallback, float highest) {
+        number(
+            name, fallback, [](Model& m, float x) { m.*member = x; }, highest);
     }
-    void diffuse_reflectance() {
-        color("diffuse_reflectance", 0.5f, ColorRange::unit,
-              [](Model& m, const Color& c) { m.diffuse_reflectance = c; });
-    }
+    void reflectance() { color<&Model::specular_reflectance>("specular_reflectance", 1.f); }
+    void transmittance() { color<&Model::specular_transmittance>("specular_transmittance", 1.f); }
+    void diffuse_reflectance() { color<&Model::diffuse_reflectance>("diffuse_reflectance", 0.5f); }
     /// Reads the diffuse and the specular reflectance of a model that is the sum of both, such as phong. Where their highest
     /// values exceed 1 together, both are scaled down.
     void reflectance_pair() {

@@ -176,9 +176,7 @@ MicrofacetDistribution parse_uniform_distribution(Properties& properties) {
     return distribution;
 }
 
-void read(ModelReader<Diffuse>& model) {
-    model.color("reflectance", 0.5f, ColorRange::unit, [](Diffuse& m, const Color& c) { m.reflectance = c; });
-}
+void read(ModelReader<Diffuse>& model) { model.color<&Diffuse::reflectance>("reflectance", 0.5f); }
 
 /// Reads a dielectric or a thindielectric.
 template <typename Model>
@@ -228,16 +226,14 @@ void read(ModelReader<RoughPlastic>& model) {
 }
 
 void read(ModelReader<Phong>& model) {
-    model.number(
-        "exponent", 30.f, [](Phong& m, float n) { m.exponent = n; }, Phong::highest_exponent);
+    model.number<&Phong::exponent>("exponent", 30.f, Phong::highest_exponent);
     model.reflectance_pair();
 }
 
 /// Reads a roughdiffuse of Mitsuba 0.6.
 void read(ModelReader<RoughDiffuse>& model) {
-    model.color("reflectance", 0.5f, ColorRange::unit, [](RoughDiffuse& m, const Color& c) { m.reflectance = c; });
-    model.number(
-        "alpha", 0.2f, [](RoughDiffuse& m, float alpha) { m.alpha = alpha; }, highest_roughness);
+    model.color<&RoughDiffuse::reflectance>("reflectance", 0.5f);
+    model.number<&RoughDiffuse::alpha>("alpha", 0.2f, highest_roughness);
     model->fast = model.properties().boolean("use_fast_approx", false);
 }
 
@@ -268,18 +264,17 @@ float parse_principled_index(Properties& properties, bool transmits) {
 }
 
 void read(ModelReader<Principled>& model) {
-    model.color("base_color", 0.5f, ColorRange::unit, [](Principled& m, const Color& c) { m.base_color = c; });
-    const auto number = [&](const char* name, float fallback, auto set) { model.number(name, fallback, set, 1.f); };
-    number("roughness", 0.5f, [](Principled& m, float x) { m.roughness = x; });
-    number("anisotropic", 0.f, [](Principled& m, float x) { m.anisotropic = x; });
-    number("metallic", 0.f, [](Principled& m, float x) { m.metallic = x; });
-    number("spec_trans", 0.f, [](Principled& m, float x) { m.spec_trans = x; });
-    number("spec_tint", 0.f, [](Principled& m, float x) { m.spec_tint = x; });
-    number("sheen", 0.f, [](Principled& m, float x) { m.sheen = x; });
-    number("sheen_tint", 0.f, [](Principled& m, float x) { m.sheen_tint = x; });
-    number("flatness", 0.f, [](Principled& m, float x) { m.flatness = x; });
-    number("clearcoat", 0.f, [](Principled& m, float x) { m.clearcoat = x; });
-    number("clearcoat_gloss", 0.f, [](Principled& m, float x) { m.clearcoat_gloss = x; });
+    model.color<&Principled::base_color>("base_color", 0.5f);
+    model.number<&Principled::roughness>("roughness", 0.5f, 1.f);
+    model.number<&Principled::anisotropic>("anisotropic", 0.f, 1.f);
+    model.number<&Principled::metallic>("metallic", 0.f, 1.f);
+    model.number<&Principled::spec_trans>("spec_trans", 0.f, 1.f);
+    model.number<&Principled::spec_tint>("spec_tint", 0.f, 1.f);
+    model.number<&Principled::sheen>("sheen", 0.f, 1.f);
+    model.number<&Principled::sheen_tint>("sheen_tint", 0.f, 1.f);
+    model.number<&Principled::flatness>("flatness", 0.f, 1.f);
+    model.number<&Principled::clearcoat>("clearcoat", 0.f, 1.f);
+    model.number<&Principled::clearcoat_gloss>("clearcoat_gloss", 0.f, 1.f);
     model->eta = parse_principled_index(model.properties(), model->spec_trans > 0.f);
     // Mitsuba's shares of the samples, which change no image.
     for (const char* name :
@@ -289,18 +284,15 @@ void read(ModelReader<Principled>& model) {
 
 void read(ModelReader<PrincipledThin>& model) {
     using Thin = PrincipledThin;
-    model.color("base_color", 0.5f, ColorRange::unit, [](Thin& m, const Color& c) { m.base_color = c; });
-    model.number(
-        "roughness", 0.5f, [](Thin& m, float x) { m.roughness = x; }, 1.f);
-    model.number(
-        "diff_trans", 0.f, [](Thin& m, float x) { m.diff_trans = x; }, 2.f);
-    const auto number = [&](const char* name, auto set) { model.number(name, 0.f, set, 1.f); };
-    number("anisotropic", [](Thin& m, float x) { m.anisotropic = x; });
-    number("spec_trans", [](Thin& m, float x) { m.spec_trans = x; });
-    number("spec_tint", [](Thin& m, float x) { m.spec_tint = x; });
-    number("sheen", [](Thin& m, float x) { m.sheen = x; });
-    number("sheen_tint", [](Thin& m, float x) { m.sheen_tint = x; });
-    number("flatness", [](Thin& m, float x) { m.flatness = x; });
+    model.color<&Thin::base_color>("base_color", 0.5f);
+    model.number<&Thin::roughness>("roughness", 0.5f, 1.f);
+    model.number<&Thin::diff_trans>("diff_trans", 0.f, 2.f);
+    model.number<&Thin::anisotropic>("anisotropic", 0.f, 1.f);
+    model.number<&Thin::spec_trans>("spec_trans", 0.f, 1.f);
+    model.number<&Thin::spec_tint>("spec_tint", 0.f, 1.f);
+    model.number<&Thin::sheen>("sheen", 0.f, 1.f);
+    model.number<&Thin::sheen_tint>("sheen_tint", 0.f, 1.f);
+    model.number<&Thin::flatness>("flatness", 0.f, 1.f);
     model->eta = static_cast<float>(model.properties().within("eta", 1.5, static_cast<double>(lowest_relative_index),
                                                               static_cast<double>(highest_relative_index)));
     // Mitsuba's shares of the samples, which change no image.

@@ -160,15 +160,16 @@ private:
 class NumberStore {
 public:
     virtual ~NumberStore() = default;
-    /// The numbers, in [0, 1), of a block of one path. Split paths have keys of their own.
-    virtual EightFloats block(std::uint64_t path_key, std::uint32_t block) = 0;
+    /// The numbers, in [0, 1), of a block of one path. Split paths have keys of their own. `fresh` are the numbers that the
+    /// sampler would have without a store.
+    virtual EightFloats block(std::uint64_t path_key, std::uint32_t block, const EightFloats& fresh) = 0;
 };
 
 /// The random numbers of one path: `index` is its pixel or photon, `pass` its place in the sequence.
 class Sampler {
 public:
-    /// The numbers of a store, which must outlive the sampler.
-    explicit Sampler(NumberStore& store) : store_(&store), sobol_dimensions_(0), reversed_pass_(0) {}
+    /// The numbers of a store, which must outlive the sampler; fresh ones are those of `fresh`.
+    Sampler(NumberStore& store, const Sampler& fresh) : Sampler(fresh) { store_ = &store; }
     Sampler(PointSet set, std::uint64_t seed, std::uint64_t index, std::uint32_t pass)
         : sobol_dimensions_(set == PointSet::sobol ? sobol_dimensions : 0), reversed_pass_(reverse_bits(pass)) {
         const std::uint64_t sequence = combine_keys(seed, index);
@@ -195,7 +196,7 @@ public:
     /// A point in [0, 1)^2. Different dimensions are independent of each other.
     Vec2 get_2d(std::uint32_t dimension) const {
         if (store_) [[unlikely]] {
-            const EightFloats block = store_->block(sequence_key_.whole(), (dimension + 1) / 4);
+            const EightFloats block = stored_block((dimension + 1) / 4);
             return {block[2 * ((dimension + 1) % 4)], block[2 * ((dimension + 1) % 4) + 1]};
         }
         const EightFloats all = numbers_from(dimension);
@@ -205,7 +206,7 @@ public:
     /// The dimensions with which a path starts, 0 to 2, at once.
     std::array<Vec2, 3> at_start() const {
         if (store_) [[unlikely]] {
-            const EightFloats b = store_->block(sequence_key_.whole(), 0);
+            const EightFloats b = stored_block(0);
             return {Vec2(b[2], b[3]), Vec2(b[4], b[5]), Vec2(b[6], b[7])};
         }
         const EightFloats n = numbers_from(0);
@@ -215,7 +216,7 @@ public:
     /// All dimensions of a vertex at once, as get_2d() returns them one by one.
     VertexNumbers at_vertex(int vertex) const {
         if (store_) [[unlikely]]
-            return VertexNumbers(store_->block(sequence_key_.whole(), static_cast<std::uint32_t>(vertex) + 1));
+            return VertexNumbers(stored_block(static_cast<std::uint32_t>(vertex) + 1));
         return VertexNumbers(numbers_from(dimension::at_vertex(vertex, 0)));
     }
 
@@ -250,8 +251,12 @@ private:
     }
 
     static_assert(dimension::per_vertex == 4 && dimension::at_vertex(0, 0) == 3);  // blocks of a store
-    NumberStore* store_ = nullptr;                                                 ///< null: numbers are hashed
-    std::uint32_t sobol_dimensions_;                                               ///< 0 for independent numbers
+    EightFloats stored_block(std::uint32_t block) const {
+        return store_->block(sequence_key_.whole(), block, numbers_from(4 * block - 1));
+    }
+
+    NumberStore* store_ = nullptr;    ///< null: numbers are hashed
+    std::uint32_t sobol_dimensions_;  ///< 0 for independent numbers
     std::uint32_t reversed_pass_;
     Key sequence_key_, pass_key_;
 };

@@ -3,6 +3,7 @@
 #include "common/core/error.h"
 #include "common/core/float_traps.h"
 #include "common/core/memory_limit.h"
+#include "common/shapes/few_spheres.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -246,6 +247,7 @@ struct Accelerator::State {
     std::vector<AnalyticShape> analytic;
     std::vector<std::vector<std::array<float, 3>>> scaled_vertices;  ///< vertices of meshes multiplied for Embree
     InstanceSet instanced;
+    FewSpheres spheres;   ///< of the scene outside all groups, if Embree has none of them
     float scale = 1.f;    ///< embree_scale() of the scene
     bool packets = true;  ///< whether packets pay, see packet_limit
 
@@ -320,9 +322,13 @@ void Accelerator::State::attach_instances(unsigned id) {
 std::size_t Accelerator::State::attach(RTCScene to, const std::vector<Shape>& shapes, std::uint32_t begin,
                                        std::uint32_t end, float shapes_scale) {
     std::size_t primitives = 0;
+    const auto is_sphere = [](const Shape& shape) { return std::holds_alternative<Sphere>(shape); };
+    const auto found = std::count_if(shapes.begin() + begin, shapes.begin() + end, is_sphere);
+    const bool few = to == scene && static_cast<std::size_t>(found) <= FewSpheres::most;
     for (std::uint32_t i = begin; i < end; ++i) {
         const auto* mesh = std::get_if<Mesh>(&shapes[i]);
-        if (mesh) attach(to, *mesh, i - begin, shapes_scale);
+        if (few && is_sphere(shapes[i])) spheres.add(std::get<Sphere>(shapes[i]), i);
+        else if (mesh) attach(to, *mesh, i - begin, shapes_scale);
         else attach(to, analytic.emplace_back(AnalyticShape{&shapes[i], i - begin, shapes_scale}));
         primitives += mesh ? mesh->triangles.size() : 1;
     }
@@ -366,26 +372,32 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
 Accelerator::~Accelerator() = default;
 
 void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
+    Ray rest = ray;
+    const auto sphere = state_->spheres.intersect(rest);
     RTCRayHit rayhit;
-    set_ray(rayhit.ray, ray, state_->scale);
+    set_ray(rayhit.ray, rest, state_->scale);
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     found.reset();
     if (hit.geomID != RTC_INVALID_GEOMETRY_ID)
         found = intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
+    else if (sphere) found = intersection_of(*sphere, 0, no_instance, 0, 0, rest.t_max);
 }
 
 void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const {
-    if (!state_->packets) {
+    if (!state_->packets || rays.size() == 1) {
         for (std::size_t i = 0; i < rays.size(); ++i)
             intersect(rays[i], found[i]);
         return;
     }
     alignas(32) std::array<int, packet_size> valid;
     RTCRayHit8 packet;
+    std::array<std::optional<std::uint32_t>, packet_size> spheres;
     for (std::size_t i = 0; i < packet_size; ++i) {
         valid[i] = i < rays.size() ? -1 : 0;
-        const Ray ray = scaled(rays[std::min(i, rays.size() - 1)], state_->scale);
+        Ray rest = rays[std::min(i, rays.size() - 1)];
+        spheres[i] = state_->spheres.intersect(rest);
+        const Ray ray = scaled(rest, state_->scale);
         packet.ray.org_x[i] = ray.o.x();
         packet.ray.org_y[i] = ray.o.y();
         packet.ray.org_z[i] = ray.o.z();
@@ -408,6 +420,7 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
         if (hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
             found[i] =
                 intersection_of(hit.geomID[i], hit.primID[i], hit.instID[0][i], hit.u[i], hit.v[i], packet.ray.tfar[i]);
+        else if (spheres[i]) found[i] = intersection_of(*spheres[i], 0, no_instance, 0, 0, packet.ray.tfar[i]);
     }
 }
 
@@ -419,6 +432,7 @@ Intersection Accelerator::intersection_of(std::uint32_t geometry, std::uint32_t 
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
+    if (state_->spheres.occluded(ray)) return true;
     RTCRay occluded;
     set_ray(occluded, ray, state_->scale);
     query(state_->scene, occluded);

@@ -110,13 +110,14 @@ double dot(const Vec3d& a, const Vec3d& b) { return (a.x() * b.x() + a.y() * b.y
 std::optional<Roots> meet(const Vec3d& f, const Vec3d& d, double r2) {
     const double a = dot(d, d), b = -dot(f, d);
     if (a == 0) return std::nullopt;
-    const Vec3d nearest = f + (b / a) * d;
+    const double per_a = 1 / a;
+    const Vec3d nearest = f + (b * per_a) * d;
     const double discriminant = r2 - dot(nearest, nearest);
     if (!(discriminant >= 0)) return std::nullopt;
     const double q = b + std::copysign(std::sqrt(a * discriminant), b);
     // One root, q / a, does not cancel; the other is the product of the roots divided by it. q is 0 if the line
     // touches at its origin, where both roots are 0.
-    const double first = q == 0 ? 0 : (dot(f, f) - r2) / q, second = q / a;
+    const double first = q == 0 ? 0 : (dot(f, f) - r2) / q, second = q * per_a;
     return first > second ? Roots{second, first} : Roots{first, second};
 }
 

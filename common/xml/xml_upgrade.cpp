@@ -62,10 +62,17 @@ void drop(XmlElement& element, std::initializer_list<std::string_view> names) {
     });
 }
 
-/// A value element at the place of another one.
+/// An element without children at the place of another one.
+XmlElement element(const std::string& tag, const std::vector<std::pair<std::string, std::string>>& attributes,
+                   const SourceLocation& where) {
+    XmlElement made{.tag = tag, .where = where, .attributes = {}, .children = {}};
+    for (const auto& [name, value] : attributes)
+        made.attributes.push_back({name, value, where});
+    return made;
+}
 XmlElement value_element(const std::string& tag, const std::string& name, const std::string& value,
                          const SourceLocation& where) {
-    return {.tag = tag, .where = where, .attributes = {{"name", name, where}, {"value", value, where}}, .children = {}};
+    return element(tag, {{"name", name}, {"value", value}}, where);
 }
 
 class Upgrade {
@@ -113,9 +120,7 @@ private:
         if (e_.tag != "sensor") return;
         rename(e_, "focus_depth", "focus_distance");
         if (XmlElement* to_world = property(e_, "to_world"))
-            to_world->children.insert(
-                to_world->children.begin(),
-                {.tag = "scale", .where = e_.where, .attributes = {{"x", "-1", e_.where}}, .children = {}});
+            to_world->children.insert(to_world->children.begin(), element("scale", {{"x", "-1"}}, e_.where));
         const XmlElement* smaller = property(e_, "map_smaller_side");
         const bool larger = smaller && !parse_boolean(smaller->required("value"));
         drop(e_, {"map_smaller_side"});
@@ -160,16 +165,10 @@ private:
     void upgrade_daylight() {
         if (!is(e_, "emitter", "sun") && !property(e_, "albedo"))
             e_.children.push_back(value_element("rgb", "albedo", "0.2", e_.where));
-        if (!property(e_, "to_world"))
-            e_.children.push_back({.tag = "transform",
-                                   .where = e_.where,
-                                   .attributes = {{"name", "to_world", e_.where}},
-                                   .children = {}});
+        if (!property(e_, "to_world")) e_.children.push_back(element("transform", {{"name", "to_world"}}, e_.where));
         XmlElement& to_world = *property(e_, "to_world");
         const std::string from_version_3 = "0 -1 0 0  0 0 1 0  -1 0 0 0  0 0 0 1";
-        to_world.children.insert(
-            to_world.children.begin(),
-            {.tag = "matrix", .where = e_.where, .attributes = {{"value", from_version_3, e_.where}}, .children = {}});
+        to_world.children.insert(to_world.children.begin(), element("matrix", {{"value", from_version_3}}, e_.where));
     }
 
     void upgrade_texture() {
@@ -189,14 +188,10 @@ private:
         const std::initializer_list<std::string_view> names = {"uoffset", "voffset", "uscale", "vscale", "uvscale"};
         if (std::none_of(names.begin(), names.end(), [&](auto name) { return property(e_, name); })) return;
         const std::string both = number("uvscale", "1");
-        const auto operation = [&](const std::string& tag, const std::string& x, const std::string& y) {
-            return XmlElement{
-                .tag = tag, .where = e_.where, .attributes = {{"x", x, e_.where}, {"y", y, e_.where}}, .children = {}};
-        };
-        XmlElement to_uv{
-            .tag = "transform", .where = e_.where, .attributes = {{"name", "to_uv", e_.where}}, .children = {}};
-        to_uv.children = {operation("translate", number("uoffset", "0"), number("voffset", "0")),
-                          operation("scale", number("uscale", both), number("vscale", both))};
+        XmlElement to_uv = element("transform", {{"name", "to_uv"}}, e_.where);
+        to_uv.children = {
+            element("translate", {{"x", number("uoffset", "0")}, {"y", number("voffset", "0")}}, e_.where),
+            element("scale", {{"x", number("uscale", both)}, {"y", number("vscale", both)}}, e_.where)};
         drop(e_, names);
         e_.children.push_back(std::move(to_uv));
     }
@@ -298,8 +293,7 @@ private:
         std::vector<double> weights = mixture_weights(parts.size());
         const double rest = 1 - std::accumulate(weights.begin(), weights.end(), 0.0);
         if (parts.size() == 1 || rest > weight_rounding) {
-            parts.push_back(
-                {.tag = "bsdf", .where = e_.where, .attributes = {{"type", "diffuse", e_.where}}, .children = {}});
+            parts.push_back(element("bsdf", {{"type", "diffuse"}}, e_.where));
             parts.back().children.push_back(value_element("rgb", "reflectance", "0", e_.where));
             weights.push_back(std::max(rest, 0.0));
         }
@@ -308,8 +302,7 @@ private:
         for (std::size_t i = 1; i < parts.size(); ++i) {
             sum += weights[i];
             const double share = sum > 0 ? weights[i] / sum : 0;
-            XmlElement blend{
-                .tag = "bsdf", .where = e_.where, .attributes = {{"type", "blendbsdf", e_.where}}, .children = {}};
+            XmlElement blend = element("bsdf", {{"type", "blendbsdf"}}, e_.where);
             blend.children = {value_element("float", "weight", fmt::format("{}", share), e_.where), std::move(mixed),
                               std::move(parts[i])};
             mixed = std::move(blend);

@@ -52,13 +52,6 @@ Field error_of(const Contender& c, const TableRow& total) {
     return total.statistics ? resolved({c.mean, {}}, total.noise_floor) : Field{State::no_verdict};
 }
 
-std::string layer_names(const std::vector<Layer>& layers) {
-    std::string names;
-    for (const Layer layer : layers)
-        names += (names.empty() ? "" : ", ") + std::string(name_of(layer));
-    return names;
-}
-
 /// The layers whose mean energy differs from the reference's, "total, caustic".
 std::string different_energy(const Analysis& analysis, const EqualTimeLook& look) {
     std::string names;

@@ -9,13 +9,14 @@
 // Parameters: sampler = sobol (default) | independent; shared_paths = 16 (default) | 1 | 4 | 64 | 256 light paths that a path
 // from the camera may be connected with where it first can be, 1: its own alone (parts/vertices/shared_vertices.h);
 // techniques = off (default) | on, which keeps an image of each technique
-// (parts/vertices/technique_pyramid.h); spp and max_depth as for all methods.
+// (technique_pyramid.h); spp and max_depth as for all methods.
 // Bias: none, for paths that it can sample. It cannot sample the light of point, spot, projector and directional lights that
 // reaches a diffuse surface through specular ones and is seen through specular ones, E S+ D S+ L.
 // A pass: one path from the camera for every pixel, and as many light paths.
 // Fails: never; non-finite samples are counted and dropped.
+#include "common/scene/scene.h"
+#include "methods/bidirectional/technique_pyramid.h"
 #include "methods/parts/transport/delta_paths.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/joined_paths.h"
 
 namespace gib {
@@ -36,7 +37,13 @@ public:
 
     std::unique_ptr<Run> start(const Scene& scene, std::uint64_t seed, StageTimes& stages) const override {
         const Plan planned = plan(scene);
-        return start_joined_paths(scene, rules_, shows_techniques_, planned,
+        MakeTechniqueImages make_techniques;
+        if (shows_techniques_)
+            make_techniques = [&sensor = scene.sensor()](const LightPaths& paths) {
+                return std::make_unique<TechniquePyramid>(sensor.width(), sensor.height(),
+                                                          paths.sum_unit / paths.count);
+            };
+        return start_joined_paths(scene, rules_, make_techniques, planned,
                                   shown_components(scene, planned.called_for, find_method("bidirectional")), seed,
                                   stages);
     }

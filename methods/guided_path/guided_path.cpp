@@ -15,7 +15,6 @@
 #include "methods/guided_path/guided_directions.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/transport/trace_path.h"
 
 #include <bit>

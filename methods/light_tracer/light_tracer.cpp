@@ -12,7 +12,6 @@
 #include "common/core/parallel.h"
 #include "common/images/splat_film.h"
 #include "methods/parts/transport/delta_paths.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_paths.h"
 #include "methods/parts/vertices/light_walk.h"

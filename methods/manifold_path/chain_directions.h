@@ -6,13 +6,13 @@
 
 namespace gib {
 
-/// A class of directions for trace_path_in(). `Told` is a function of each sample of the chains, (PathWalk, optional
-/// Sample, rays that it took).
-template <typename Told>
+/// A class of directions for trace_path_in(). `OnSample` is called for each sample of the chains: (PathWalk, Sample, number of its
+/// rays).
+template <typename OnSample>
 class ChainDirections : public BsdfDirections {
 public:
-    ChainDirections(const ChainSampler& chains, ChainCounts& counts, Told told)
-        : chains_(chains), counts_(counts), told_(told) {}
+    ChainDirections(const ChainSampler& chains, ChainCounts& counts, OnSample on_sample)
+        : chains_(chains), counts_(counts), on_sample_(on_sample) {}
 
     bool leaves_out(PathWalk& walk, const std::optional<SurfaceHit>& hit) const {
         if (!hit || !hit->emitter || !start_ || events_.length == 0) return false;
@@ -25,10 +25,12 @@ public:
         for (int i = 1; i <= samples; ++i) {
             const std::uint64_t before = walk.rays.count();
             const auto sample = chains_.sample(walk, hit, wo_local, edges_left - 1, counts_);
-            told_(walk, sample, walk.rays.count() - before);
-            if (!sample) continue;
-            add(LobeKind::diffuse, sample->light.diffuse);
-            add(LobeKind::specular, sample->light.specular);
+            on_sample_(walk, sample, walk.rays.count() - before);
+            for (const auto& found : sample) {
+                if (!found) continue;
+                add(LobeKind::diffuse, found->light.diffuse);
+                add(LobeKind::specular, found->light.specular);
+            }
         }
     }
 
@@ -58,7 +60,7 @@ public:
 private:
     const ChainSampler& chains_;
     ChainCounts& counts_;
-    Told told_;
+    OnSample on_sample_;
     // The chain since the last vertex that chains are sampled at; none if the path has come from the eye, a medium or
     // another delta lobe.
     std::optional<SurfaceHit> start_;

@@ -15,7 +15,6 @@
 #include "methods/manifold_path/chain_pilot.h"
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/pixel_samples.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/transport/trace_path.h"
 
 #include <fmt/format.h>
@@ -174,7 +173,7 @@ MethodDescription describe_manifold_path() {
             return std::make_unique<ManifoldPath>(Settings{
                 point_set_of(values), static_cast<int>(values.integer("chain")), max_edges_of(values, defaults)});
         },
-        .ray_cost = 1,
+        .ray_cost = 2,
         .samples_pixels_alone = true,
     };
 }

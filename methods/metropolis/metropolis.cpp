@@ -30,7 +30,8 @@ namespace gib {
 namespace {
 
 constexpr std::string_view step_chains = "chains";
-constexpr int shortest = 3;  // edges of the chains' shortest paths
+constexpr std::uint32_t choices_of_step = 0x30000000;  // dimension of a step's size and acceptance; no vertex has it
+constexpr int shortest = 3;                            // edges of the chains' shortest paths
 // The steps of a chain in a pass, at most. 256 and 2,304 steps were equally good on cornell-glass, door-ajar and lamp-in-glass.
 constexpr std::size_t steps_of_chain = 256;
 
@@ -44,7 +45,9 @@ PathRules short_paths(const Settings& settings) { return {.max_edges = std::min(
 /// The light that the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels.
 struct State {
     std::vector<std::pair<std::size_t, PixelSample>> light;
-    double size = 0;  ///< the sum over all pixels, components and channels, which chains sample
+    double size = 0;         ///< the sum over all pixels, components and channels, which chains sample
+    double independent = 0;  ///< 1 if it counts as an independent sample
+    double visits = 0;       ///< how often its chain has been in it, as an expected value
 };
 
 /// Makes the states of one thread.
@@ -63,12 +66,12 @@ public:
 
     void make(const Sampler& sampler, State& state) {
         const Sensor& sensor = rays_.scene().sensor();
-        const Vec2 film = sampler.get_2d(dimension::film);
+        const auto [film, lens, stratum] = sampler.at_start();
         const Vec2 place(film.x() * static_cast<float>(sensor.width()), film.y() * static_cast<float>(sensor.height()));
         const int x = std::min(static_cast<int>(place.x()), sensor.width() - 1);
         const int y = std::min(static_cast<int>(place.y()), sensor.height() - 1);
         const Vec2 in_pixel(place.x() - static_cast<float>(x), place.y() - static_cast<float>(y));
-        std::array<Ray, 1> ray = {sensor.generate_ray(x, y, in_pixel, sampler.get_2d(dimension::lens))};
+        std::array<Ray, 1> ray = {sensor.generate_ray(x, y, in_pixel, lens)};
         std::array<std::optional<Intersection>, 1> found;
         rays_.trace_from_camera(ray, found);
         const auto pixel = static_cast<std::size_t>(y * sensor.width() + x);
@@ -79,7 +82,7 @@ public:
         for (Color& part : seen.parts)
             part *= static_cast<float>(paths_.count);
         state.light.emplace_back(pixel, seen);
-        state.size = 0;
+        state.size = state.independent = state.visits = 0;
         PixelSample lost;
         for (const auto& [to, light] : state.light)
             for (std::size_t c = 0; c < light.parts.size(); ++c) {
@@ -156,8 +159,10 @@ private:
     static double mean_of(const std::vector<double>& sizes) {
         return std::accumulate(sizes.begin(), sizes.end(), 0.) / static_cast<double>(sizes.size());
     }
-    /// The seed of independent sample i of a pass.
-    static std::uint64_t start_key(std::uint64_t pass_key, std::size_t i) { return combine_keys(pass_key, 2 * i); }
+    /// The numbers of independent sample i of a pass, or, for n > 0, fresh ones for a step of a chain that starts with them.
+    static Sampler numbers(std::uint64_t pass_key, std::size_t i, std::size_t n = 0) {
+        return Sampler(PointSet::independent, pass_key, i, static_cast<std::uint32_t>(n));
+    }
 
     /// The sizes of independent states, among which the chains find their starts. Their light goes to the film, if it counts.
     std::vector<double> sample_starts(std::uint64_t key, bool counts) {
@@ -167,10 +172,10 @@ private:
             StateMaker maker(scene_, joined_, pass_, film_);
             State state;
             for (std::size_t i = begin; i < end; ++i) {
-                PrimarySample numbers(start_key(key, i), 0);
-                maker.make(Sampler(numbers), state);
+                maker.make(numbers(key, i), state);
                 sizes[i] = state.size;
-                if (counts) splat_independent(state);
+                state.independent = 1;
+                if (counts) splat(state, 0);
             }
             traced += maker.rays();
         });
@@ -190,8 +195,7 @@ private:
             const auto start =
                 std::min(std::upper_bound(cumulative.begin(), cumulative.end(), at), cumulative.end() - 1);
             StateMaker maker(scene_, joined_, pass_, film_);
-            follow_chain(maker, start_key(key, static_cast<std::size_t>(start - cumulative.begin())),
-                         combine_keys(key, 2 * chain + 1), mean);
+            follow_chain(maker, key, static_cast<std::size_t>(start - cumulative.begin()), chain, mean);
             traced += maker.rays();
             progress.add(1);
         });
@@ -201,32 +205,30 @@ private:
     /// One chain: its states and its proposals, each weighed by the probability that the chain takes it (Veach 1997, section
     /// 11.3.2). `mean` is b of this pass. If it is 0, the states have no weight, but the large steps still count as independent
     /// samples, whose number must not depend on what the others found.
-    void follow_chain(StateMaker& maker, std::uint64_t first, std::uint64_t key, double mean) {
-        PrimarySample numbers(first, key);
-        const Sampler sampler(numbers);
+    void follow_chain(StateMaker& maker, std::uint64_t key, std::size_t first, std::size_t chain, double mean) {
+        PrimarySample sample;
         State now, next;
-        maker.make(sampler, now);
-        numbers.accept();
-        double weight = 0;  // how often the chain has been in this state, as an expected value
+        maker.make(Sampler(sample, numbers(key, first)), now);
+        sample.accept();
         for (std::uint32_t step = 0; step < steps_; ++step) {
-            const Vec2 u = Sampler(PointSet::independent, key, 0, step).get_2d(dimension::choices);
+            const Sampler fresh = numbers(key, first, chain * steps_ + step + 1);
+            const Vec2 u = fresh.get_2d(choices_of_step);
             const bool is_large = double{u.x()} < large_steps_;
-            numbers.propose(is_large);
-            maker.make(sampler, next);
+            sample.propose(is_large);
+            maker.make(Sampler(sample, fresh), next);
             const double acceptance = next.size < now.size ? next.size / now.size : 1;
-            if (is_large) splat_independent(next);
-            weight += 1 - acceptance;
+            next.independent = is_large ? 1 : 0;
+            next.visits = acceptance;
+            now.visits += 1 - acceptance;
             if (double{u.y()} < acceptance) {
-                splat_state(now, weight * mean);
                 std::swap(now, next);
-                weight = acceptance;
-                numbers.accept();
+                sample.accept();
             } else {
-                splat_state(next, acceptance * mean);
-                numbers.reject();
+                sample.reject();
             }
+            splat(next, mean);  // where the chain does not stay
         }
-        splat_state(now, weight * mean);
+        splat(now, mean);
     }
 
     // Two kinds of samples make each state, N independent ones of density 1 and M states of chains of density f / b. The balance
@@ -239,12 +241,9 @@ private:
         const double of_chains = expected_mean_ > 0 ? states * size / expected_mean_ : 0;
         return static_cast<double>(starts_) + large_steps_ * states + of_chains;
     }
-    void splat_independent(const State& state) { splat(state, light_paths_.count / samples_at(state.size)); }
-    void splat_state(const State& state, double times_mean) {
-        if (expected_mean_ > 0)
-            splat(state, times_mean * light_paths_.count / (expected_mean_ * samples_at(state.size)));
-    }
-    void splat(const State& state, double factor) {
+    void splat(const State& state, double mean) {
+        const double of_chain = expected_mean_ > 0 ? state.visits * mean / expected_mean_ : 0;
+        const double factor = light_paths_.count / samples_at(state.size) * (state.independent + of_chain);
         if (!(factor > 0) || !(state.size > 0)) return;
         for (const auto& [pixel, light] : state.light) {
             PixelSample scaled;
@@ -292,7 +291,7 @@ public:
         const ShownComponents shown = shown_components(scene, planned.called_for, find_method("metropolis"));
         Plan of_short_paths = described_plan(scene, find_method("metropolis"));
         add_joined_paths(of_short_paths, scene, short_paths(settings_));
-        auto short_run = start_joined_paths(scene, short_paths(settings_), false, of_short_paths, shown, seed, stages);
+        auto short_run = start_joined_paths(scene, short_paths(settings_), {}, of_short_paths, shown, seed, stages);
         return std::make_unique<MetropolisRun>(scene, settings_, planned, std::move(short_run), shown, seed, stages);
     }
 

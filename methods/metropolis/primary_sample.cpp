@@ -1,62 +1,78 @@
 #include "methods/metropolis/primary_sample.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace gib {
 
 namespace {
 
-constexpr float smallest_step = 1.f / 1024, largest_step = 1.f / 64;  // those of Kelemen et al., section 4.2
+constexpr float largest_step = 1.f / 64;  // of Kelemen et al., section 4.2; their smallest is a sixteenth of it
 
-/// A number moved by a step whose length is distributed as 1 / length between the two limits, up for u >= 1/2 and down
+/// Numbers moved by steps whose lengths are distributed as 1 / length between the two limits, up for u >= 1/2 and down
 /// for others, on the circle [0, 1) (section 4.2).
-float perturbed(float number, float u) {
-    const float v = 2 * u - (u >= 0.5f ? 1.f : 0.f);
-    static const float log2_of_range = std::log2(largest_step / smallest_step);
-    const float step = largest_step * std::exp2(-log2_of_range * v);
-    const float moved = u >= 0.5f ? number + step : number - step;
-    return std::min(moved - std::floor(moved), 1 - std::numeric_limits<float>::epsilon() / 2);
+EightFloats perturbed(const EightFloats& numbers, const EightFloats& u) {
+    const EightFloats v = 2 * u - (u >= 0.5f ? 1.f : 0.f);
+    // (2^-v)^4 by the series of exp(-v ln 2)
+    const EightFloats x = -0.6931472f * v;
+    EightFloats power = x * 0 + 1;
+    for (const float n : {6.f, 5.f, 4.f, 3.f, 2.f, 1.f})
+        power = 1 + x * power * (1 / n);
+    const EightFloats step = largest_step * power * power * power * power;
+    const EightFloats moved = u >= 0.5f ? numbers + step : numbers - step;
+    const EightFloats wrapped = moved < 0.f ? moved + 1.f : moved >= 1.f ? moved - 1.f : moved;
+    constexpr float most = 1 - std::numeric_limits<float>::epsilon() / 2;
+    return wrapped < most ? wrapped : most;
 }
 
 }  // namespace
 
 void PrimarySample::propose(bool is_large) {
-    ++trial_;
     ++state_;
     last_large_before_ = last_large_;
     if (is_large) last_large_ = state_;
 }
 
 void PrimarySample::reject() {
-    for (const auto& [key, before] : changed_) {
-        if (before) blocks_.at(key) = *before;
-        else blocks_.erase(key);
-    }
+    for (const Block& before : changed_)
+        find(before.key) = before;
     changed_.clear();
     last_large_ = last_large_before_;
     --state_;
 }
 
-EightFloats PrimarySample::hashed(std::uint64_t key, std::uint32_t step) const {
-    const Sampler numbers(PointSet::independent, combine_keys(trial_ == 0 ? first_ : mutations_, trial_), key, step);
-    return numbers.at_vertex(0).all();
+PrimarySample::Block& PrimarySample::find(std::uint64_t key) {
+    std::size_t i = key >> 1;
+    while (table_[i &= table_.size() - 1].key != key && table_[i].key != 0)
+        ++i;
+    return table_[i];
 }
 
-EightFloats PrimarySample::block(std::uint64_t path_key, std::uint32_t index) {
-    const std::uint64_t key = combine_keys(path_key, index);
-    const auto [place, is_new] = blocks_.try_emplace(key);
-    Block& block = place->second;
-    if (!is_new && block.state == state_) return block.numbers;
-    changed_.emplace_back(key, is_new ? std::nullopt : std::optional(block));
+void PrimarySample::grow() {
+    const std::vector<Block> old = std::exchange(table_, std::vector<Block>(2 * table_.size()));
+    for (const Block& block : old)
+        if (block.key != 0) find(block.key) = block;
+}
+
+EightFloats PrimarySample::block(std::uint64_t path_key, std::uint32_t index, const EightFloats& fresh) {
+    if (2 * used_ >= table_.size()) grow();
+    const std::uint64_t key = combine_keys(path_key, index) | 1;  // not 0
+    Block& block = find(key);
+    if (block.state == state_) return block.numbers;
+    used_ += block.key == 0;
+    block.key = key;
+    changed_.push_back(block);
     // Numbers that no state has asked for since the last large step are uniform, however often they were perturbed.
-    if (is_new || block.state < last_large_) block = {hashed(key, 0), state_};
-    for (std::uint32_t step = 1; block.state < state_; ++step, ++block.state) {
-        const EightFloats u = hashed(key, step);
-        for (std::size_t i = 0; i < 8; ++i)
-            block.numbers[i] = perturbed(block.numbers[i], u[i]);
+    if (block.state < last_large_) {
+        block.numbers = fresh;
+    } else {
+        EightFloats u = fresh;
+        for (std::uint32_t missed = state_ - block.state; missed > 0; --missed) {
+            block.numbers = perturbed(block.numbers, u);
+            u = unit_float(mix32(reinterpret_cast<Eight>(u) + missed));
+        }
     }
+    block.state = state_;
     return block.numbers;
 }
 

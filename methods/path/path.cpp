@@ -12,7 +12,6 @@
 // Fails: never; non-finite samples are counted and dropped.
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/transport/eye_sample_run.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/transport/trace_path.h"
 
 namespace gib {

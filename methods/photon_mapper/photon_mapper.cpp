@@ -131,7 +131,7 @@ public:
                                     .k = k,
                                     .max_radius = length(radius),
                                     .area = settings.area,
-                                    .by_place = {.flat = flat_regions_ ? &*flat_regions_ : nullptr}};
+                                    .flat = flat_regions_ ? &*flat_regions_ : nullptr};
         };
         maps_.global_estimator = estimator(settings.k, settings.radius);
         maps_.caustic_estimator = estimator(settings.caustic_k, settings.caustic_radius);
@@ -185,7 +185,7 @@ private:
         return static_cast<float>(fraction * static_cast<double>(scene_.diagonal()));
     }
 
-    void fill_volume_map(const ProjectionMap* aim) {
+    void fill_volume_map(const AimedEmission* aim) {
         if (settings_.volume_look_up == VolumeLookUp::points) {
             maps_.volume = tracing_.traced_map(PhotonMapKind::volume, settings_.volume_photons, aim, seed_);
             return;
@@ -210,7 +210,7 @@ private:
 
     /// Makes what gather rays need: photons, precomputed irradiance (Christensen 1999) and the irradiance cache.
     /// `overture` is Radiance's name for filling a cache ahead of rendering.
-    void prepare_gathering(const Plan& plan, const ProjectionMap* aim) {
+    void prepare_gathering(const Plan& plan, const AimedEmission* aim) {
         light_ = {.source = settings_.source,
                   .max_edges = settings_.max_edges,
                   .samples_lights = walk_.samples_lights,

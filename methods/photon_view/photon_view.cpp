@@ -11,6 +11,7 @@
 // the same seed and projection=off.
 // Fails: never; an empty map shows no photon.
 #include "methods/method.h"
+#include "methods/parts/kd_tree/nearest.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/transport/eye_sample_run.h"
@@ -105,7 +106,7 @@ private:
     /// If a photon that `accept` takes lies near p, writes its colour into the sample and returns true.
     template <typename Accept>
     bool light_up(const Vec3& p, Accept&& accept, PixelSample& sample) {
-        const auto nearest = shown_->map.nearest(p, shown_->size, accept);
+        const auto nearest = find_nearest(shown_->map, p, shown_->size, accept);
         if (!nearest) return false;
         sample[component_of(shown_->kind)] = shown_->map[nearest->index].power() * shown_->per_mean_power;
         return true;

@@ -118,18 +118,17 @@ private:
     }
 
     /// The first radius for a kind of map [scene units], unless it is given [scene diagonals].
-    double first_radius_for(PhotonMapKind kind, double given, std::uint64_t count, const ProjectionMap* aim,
+    double first_radius_for(PhotonMapKind kind, double given, std::uint64_t count, const AimedEmission* aim,
                             const std::vector<Vec3>& places) {
         if (given > 0) return given * double{scene_.diagonal()};
         const std::uint64_t passes = pilot_passes(static_cast<double>(count));
-        PhotonWalkResult pilot;
+        std::vector<Photon> pilot;
         for (std::uint64_t pass = 0; pass < passes; ++pass) {
             const std::uint64_t key = combine_keys(combine_keys(seed_, pilot_key), pass);
             const PhotonWalkResult walk = tracing_.trace(kind, count, aim, key);
-            pilot.photons.insert(pilot.photons.end(), walk.photons.begin(), walk.photons.end());
-            pilot.unit = walk.unit;
+            pilot.insert(pilot.end(), walk.photons.begin(), walk.photons.end());
         }
-        return first_radius(PhotonMap(std::move(pilot.photons), pilot.unit), static_cast<double>(passes), places,
+        return first_radius(pilot, static_cast<double>(passes), places,
                             tracing_.has_policy() ? most_guided_photons : most_photons,
                             kind == PhotonMapKind::volume ? 3 : 2, scene_.diagonal());
     }
@@ -140,7 +139,7 @@ private:
         const bool all_given = s.radius > 0 && s.caustic_radius > 0 && (s.volume_radius > 0 || along_rays);
         const SeenPlaces seen = all_given ? SeenPlaces() : seen_places(scene_, walk_, seed_, rays_);
         const auto radius = [&](std::string_view step, PhotonMapKind kind, double given, std::uint64_t count,
-                                const ProjectionMap* aim) {
+                                const AimedEmission* aim) {
             if (!plan_.runs(step)) return 0.0;
             if (kind == PhotonMapKind::volume && along_rays)
                 return tracing_.radius_along_rays(s, walk_, true, aim, combine_keys(seed_, pilot_key));
@@ -162,7 +161,8 @@ private:
                                     .max_radius = static_cast<float>(first * shrinking_.on_surfaces(passes_before)),
                                     .area = s.area,
                                     .estimates_bias = true,
-                                    .by_place = {given > 0 ? 0.f : static_cast<float>(first), &*flat_regions_}};
+                                    .largest_by_place = given > 0 ? 0.f : static_cast<float>(first),
+                                    .flat = &*flat_regions_};
         };
         maps_.caustic_estimator = on_surfaces(s.caustic_radius, first_.caustic);
         maps_.global_estimator = on_surfaces(s.radius, first_.global);

@@ -1,6 +1,5 @@
 #include "methods/vcm/light_vertex_map.h"
 
-#include "methods/parts/density/ball_kernel.h"
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
 #include "methods/parts/photons/blocks_within_memory.h"

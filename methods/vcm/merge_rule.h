@@ -38,10 +38,11 @@ inline bool focuses(const SurfaceHit& hit, const Vec3& wo) {
 /// connection: the expected number of light paths' vertices that one is merged with, for each that a path has per area (or
 /// volume) there. Equation 20: eta_VCM. Both depend on the place and its side alone, so that the walks from both ends know the same n.
 struct MergeRadii {
-    double light_paths = 0;     ///< N: light paths in a pass
-    double on_surfaces = 0;     ///< largest radius on surfaces [scene units]; 0: nothing is merged
-    double in_media = 0;        ///< largest radius in media [scene units]
-    PlaceRadius by_place = {};  ///< bounds the radius on surfaces
+    double light_paths = 0;  ///< N: light paths in a pass
+    double on_surfaces = 0;  ///< largest radius on surfaces [scene units]; 0: nothing is merged
+    double in_media = 0;     ///< largest radius in media [scene units]
+    float largest_by_place =
+        0;  ///< place_radius.h: from which the radius of a place is found [scene units]; 0: no place bounds it
 
     bool any() const { return on_surfaces > 0 || in_media > 0; }
 
@@ -50,7 +51,8 @@ struct MergeRadii {
         if (!(on_surfaces > 0) || hit.delta_only) return 0;
         const LobeTraits& lobes = hit.bsdf->traits_at(hit.shading.to_local(wo).z());
         if (!lobes.diffuse && !lobes.glossy) return 0;
-        return light_paths * std::numbers::pi * sqr(on_surfaces * double{by_place.share(rays, hit, wo)});
+        const float share = largest_by_place > 0.f ? share_of_radius_at(rays, hit, wo, largest_by_place) : 1.f;
+        return light_paths * std::numbers::pi * sqr(on_surfaces * double{share});
     }
     double radius_of(double n) const { return std::sqrt(n / (light_paths * std::numbers::pi)); }
 

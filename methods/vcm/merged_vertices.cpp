@@ -15,8 +15,7 @@ MergedVertices::MergedVertices(const Scene& scene, const LightPaths& paths, cons
       follows_specular_(follows_specular),
       seed_(seed),
       first_radius_(settings.radius * double{scene.diagonal()}),
-      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}),
-      flat_regions_(scene, FlatRegions::resolution_for(static_cast<std::uint64_t>(paths.count))) {}
+      first_radius_in_media_(settings.radius_in_media * double{scene.diagonal()}) {}
 
 void MergedVertices::start_pass(std::uint32_t pass, StageTimes& stages, std::uint64_t& rays) {
     const auto timer = stages.time(step_merging);
@@ -28,7 +27,7 @@ void MergedVertices::start_pass(std::uint32_t pass, StageTimes& stages, std::uin
     const std::uint64_t passes_before = settings_.first_pass + pass;
     const double r = first_radius_ * shrinking_.on_surfaces(passes_before);
     const double in_media = first_radius_in_media_ * shrinking_.in_media(passes_before);
-    rule_.radii = {count, r, in_media, {is_given ? 0.f : static_cast<float>(first_radius_), &flat_regions_}};
+    rule_.radii = {count, r, in_media, is_given ? 0.f : static_cast<float>(first_radius_)};
     map_ = LightVertexMap();  // gives its memory back
     map_ = LightVertexMap(scene_, paths_, rules_, rule_, key, rays);
     light_paths_ += static_cast<std::uint64_t>(count);
@@ -47,8 +46,7 @@ void MergedVertices::find_first_radii(std::uint64_t seed, std::uint64_t& rays) {
     }
     const SeenPlaces seen = seen_places(scene_, {rules_.max_edges, false, follows_specular_}, seed_, rays);
     const auto radius = [&](const std::vector<Photon>& photons, const std::vector<Vec3>& places, int dimensions) {
-        return first_radius(PhotonMap(photons, 1), static_cast<double>(passes), places, most_merged, dimensions,
-                            scene_.diagonal());
+        return first_radius(photons, static_cast<double>(passes), places, most_merged, dimensions, scene_.diagonal());
     };
     if (!(first_radius_ > 0)) first_radius_ = radius(on_surfaces, seen.on_surfaces, 2);
     if (!(first_radius_in_media_ > 0)) first_radius_in_media_ = radius(in_media, seen.in_media, 3);

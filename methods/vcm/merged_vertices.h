@@ -66,7 +66,6 @@ private:
     bool follows_specular_;
     std::uint64_t seed_;
     double first_radius_, first_radius_in_media_;  ///< [scene units]; 0: not found yet
-    FlatRegions flat_regions_;
     LightVertexMap map_;
     std::uint64_t light_paths_ = 0;
 };

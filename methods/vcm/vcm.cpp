@@ -20,7 +20,6 @@
 #include "common/scene/scene.h"
 #include "methods/parts/density/radius.h"
 #include "methods/parts/transport/delta_paths.h"
-#include "methods/parts/transport/point_set_parameter.h"
 #include "methods/parts/vertices/joined_paths.h"
 #include "methods/vcm/merged_vertices.h"
 
@@ -60,12 +59,12 @@ public:
             // Without merging the remainder is black.
             for (Plan::Step& step : planned.steps)
                 if (step.name == step_eye_paths && subset_ == Subset::remainder) step.runs = false;
-            return start_joined_paths(scene, rules_, false, planned, shown, seed, stages);
+            return start_joined_paths(scene, rules_, {}, planned, shown, seed, stages);
         }
         const bool is_specular =
             planned.called_for.has(Effect::specular_reflection) || planned.called_for.has(Effect::refraction);
         return std::make_unique<JoinedPathsRun<MergedVertices>>(
-            scene, rules_, false, planned, shown, seed, stages, [&](const LightPaths& paths) {
+            scene, rules_, nullptr, planned, shown, seed, stages, [&](const LightPaths& paths) {
                 PathRules rules = rules_;
                 rules.light_sampling &= planned.runs(step_light_sampling);
                 return MergedVertices(scene, paths, rules, merging_, is_specular, seed);

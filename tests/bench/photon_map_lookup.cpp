@@ -3,6 +3,7 @@
 // two). `ratio` is our rate over nanoflann's.
 #include "common/core/parallel.h"
 #include "common/reader/scene_file.h"
+#include "methods/parts/kd_tree/nearest.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/bench/paired_ratio.h"
@@ -58,8 +59,8 @@ const Workload& workload(std::size_t photons) {
 void look_up_all(const Workload& w, std::size_t k) {
     static std::vector<Neighbour> found;
     for (const Vec3& q : w.queries) {
-        w.map.nearest(
-            q, k, std::numeric_limits<float>::max(), [](const Photon&, float) { return true; }, found);
+        find_nearest(
+            w.map, q, k, std::numeric_limits<float>::max(), [](const Photon&, float) { return true; }, found);
         benchmark::DoNotOptimize(found.data());
     }
 }

@@ -94,10 +94,10 @@ std::vector<MethodUnderTest> unbiased_methods() {
 
 class RareLight : public OfAMethod {
 protected:
-    // Few passes of many seeds show what a method does with first passes that have found nothing. The means of all seeds are sums of some
-    // twenty finds or more, each of which the standard error of 400 seeds knows: 4.5 standard errors are exceeded with a
-    // probability below 1e-3 in each of the fifteen tests (skewness of a Poisson number of 20: 0.22). Paths from the lights alone seldom
-    // reach what the camera sees: they are only not too bright.
+    // Few passes of many seeds show what a method does with first passes that have found nothing. The mean of all seeds
+    // is a sum of some twenty finds or more, so that the standard error of 400 seeds is known: 4.5 standard errors are
+    // exceeded with a probability below 1e-3 in each of the fifteen tests (skewness of a Poisson number of 20: 0.22).
+    // Paths from the lights alone seldom reach what the camera sees: they are only not too bright.
     void expect_closed_form(const Room& room) {
         constexpr std::uint32_t passes = 8;
         const std::size_t seeds = method().samples_pixels() ? 400 : 50;

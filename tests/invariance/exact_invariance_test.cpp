@@ -2,8 +2,8 @@
 //
 // - Scale and light units by powers of two: all lengths (all lights) are multiplied exactly, and so is every sum,
 //   product, quotient and root of them. Comparisons of lengths with lengths, densities of random choices and angles
-//   stay the same. Only a constant length or power in the code, or a product outside float's range, could tell the
-//   difference. If lengths are multiplied by s, densities of area, squared distances and Embree's determinants change
+//   stay the same. Only a constant length or power in the code, or a product outside float's range, changes an image.
+//   If lengths are multiplied by s, densities of area, squared distances and Embree's determinants change
 //   by s^2 to s^3, which stays in range for s = 2^20.
 // - Translation: positions are dyadic (random_scenes.h), so that moving them is exact. So is the recentring of the
 //   scene, because the middle of its bounds is dyadic, too.

@@ -3,11 +3,11 @@
 //
 // Unbiased methods of the registry are held to all transformations, also if they leave out paths: these are the same on
 // both sides. Methods that estimate their bias are, too, within the difference of the two biases. Other biased methods are
-// held to those that leave the shapes, their sizes and the lights as they are, and turn the scene's box with the scene:
-// translations, quarter turns and other orders. What a method looks up within a radius, or divides into patches of a
-// size, is given in diagonals of the scene's box, which a rotation changes; it is set so that the length stays.
+// held to translations, quarter turns and other orders, which keep the shapes, their sizes and the lights, and turn the
+// scene's box with the scene. Radii and sizes of patches are given in diagonals of the scene's box, which a rotation
+// changes; each is set so that its length stays.
 //
-// Ways to look photons up are held to as much as the distribution of their images stays the same:
+// Ways to look photons up are held to the transformations under which their images keep their distribution:
 // - A density estimate over all photons within a fixed radius (k=all) has the mean of the true light, blurred by the
 //   kernel. The number of photons, and which light sent them with what power, does not matter.
 // - With k nearest photons the radius, and with it the bias, follows the photons' density. The density stays if

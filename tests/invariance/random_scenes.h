@@ -101,7 +101,7 @@ struct RandomScene {
 enum class SceneMood {
     any,        ///< all that the scene language supports without image files
     matt,       ///< diffuse surfaces without media, which every method simulates
-    polygons,   ///< as matt, but without curved shapes, of which radiosity makes many patches
+    polygons,   ///< as matt, but without curved shapes, which radiosity divides into many patches
     reciprocal  ///< f(wo, wi) = f(wi, wo) except for the eta^2 of refraction, which only closed shapes have; no
                 ///< smooth normals, no normal maps. The room is closed and has no lights. The last two shapes are
                 ///< diffuse rectangles, the first of them perhaps in a sphere of glass

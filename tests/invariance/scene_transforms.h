@@ -13,8 +13,8 @@ RandomScene moved(RandomScene scene, const Vec3d& by);
 RandomScene rotated(RandomScene scene, const Eigen::Matrix3d& rotation);
 /// Multiplies all light by `factor`.
 RandomScene brightened(RandomScene scene, double factor);
-/// Puts the shapes into another order; those that emit keep theirs among
-/// themselves, so that lights keep their numbers.
+/// Puts the shapes into another order. Shapes that emit keep their order among themselves, so that lights keep their
+/// numbers.
 RandomScene with_shapes_shuffled(RandomScene scene, Dice& dice);
 /// Puts the lights, and the shapes that emit, into another order.
 RandomScene with_lights_shuffled(RandomScene scene, Dice& dice);

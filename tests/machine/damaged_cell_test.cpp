@@ -107,26 +107,6 @@ TEST_F(DamagedCellTest, DamagedFlipIsMeasuredAgain) {
     }
 }
 
-TEST_F(DamagedCellTest, FlipOfAnotherImageIsMeasuredAgain) {
-    complete();
-    const auto good = content_of(results(""));
-    std::vector<std::string> folders;
-    for (const auto& [name, time] : cells())
-        folders.push_back(results("cells/" + name));
-    for (const char* file : {"/flip.json", "/flip.png"})  // complete files, but of another cell
-        fs::copy_file(folders.front() + file, folders.back() + file, fs::copy_options::overwrite_existing);
-    EXPECT_EQ(run().code, 0);
-    EXPECT_TRUE(content_of(results("")) == good);
-}
-
-TEST_F(DamagedCellTest, EpsilonHasBounds) {
-    complete();
-    nlohmann::json index = nlohmann::json::parse(read_file(results("index.json")));
-    index["epsilon"] = 0;
-    damage(results("index.json"), index.dump());
-    EXPECT_THAT(report(), exits(2, HasSubstr("index.json:1:1: epsilon is a number from 1e-60 to 1e+60, not 0")));
-}
-
 TEST_F(DamagedCellTest, WithoutItsReferenceOneSceneIsLeftOutOfAReport) {
     write("other.xml", tiny_scene_xml(6));
     write("e.toml",

@@ -1,5 +1,5 @@
-// Who works on an experiment, and how far that has come: the executors (tests/experiments/slurm has the tests with Slurm), and
-// two runs at once: in the same folder the second one is refused; for the same reference it waits.
+// Two runs at once: in the same folder the second one is refused; for the same reference it waits. Executors, and the
+// state of a run, are tested here, too (with Slurm in tests/experiments/slurm).
 
 #include "experiments/system/file_lock.h"
 
@@ -34,13 +34,6 @@ TEST_F(FileLockTest, IsTakenOnceAndLeavesNoFile) {
     }
     EXPECT_FALSE(fs::exists(file));
     EXPECT_TRUE(FileLock::if_free(file));
-}
-
-TEST_F(FileLockTest, WhatADeadProcessLeftLocksNothing) {
-    write("x.lock", "1\n");
-    EXPECT_TRUE(FileLock::if_free(path("x.lock")));
-    write("y.lock", "");
-    EXPECT_EQ(lock_owner(path("y.lock")), "another process");
 }
 
 TEST_F(FileLockTest, ASecondRunInTheFolderIsRefusedWithThePid) {
@@ -104,21 +97,12 @@ TEST_F(FileLockTest, WaitingEndsOnCtrlC) {
 
 class ExecutorTest : public ::testing::Test, protected ExperimentFolder {};
 
-TEST_F(ExecutorTest, AnUnknownOneIsAnErrorThatNamesTheOthers) {
-    EXPECT_THAT(gibench("run e.toml --on slrum"), exits(2, "--on knows no 'slrum'; there are: local, slurm\n"));
-}
-
 TEST_F(ExecutorTest, SlurmThatIsNotThereIsAnError) {
     const std::string before = std::getenv("PATH");
     ::setenv("PATH", path().c_str(), 1);
     EXPECT_THAT(gibench("run e.toml --on slurm"), exits(2, HasSubstr("'sbatch', which is not on the PATH")));
     ::setenv("PATH", before.c_str(), 1);
     EXPECT_FALSE(fs::exists(path("results"))) << "nothing is begun";
-}
-
-TEST_F(ExecutorTest, OptionsOfSlurmNeedSlurm) {
-    EXPECT_THAT(gibench("run e.toml --sbatch=--partition=short"), exits(2, "--sbatch is for --on slurm\n"));
-    EXPECT_EQ(gibench("run e.toml --tasks 2").err, "--tasks is for --on slurm\n");
 }
 
 TEST_F(ExecutorTest, StatusCountsTheCellsOfALocalRun) {

@@ -108,7 +108,7 @@ TEST_F(ReferenceCacheTest, AnotherSceneIsNoticed) {
     EXPECT_THAT(make(0.05).warnings, Contains(HasSubstr("not the reference of this scene")));
 }
 
-// Two methods, one of which lacks a fiftieth of the light: too little for the pilot to see.
+// Two reference methods. One lacks a fiftieth of the light, too little for the pilot to find.
 TEST_F(ReferenceCacheTest, AMethodThatLacksLightIsLeftOut) {
     const auto named_method = []<int percent>(std::integral_constant<int, percent>, const char* name) {
         MethodDescription method = fake_method();
@@ -265,22 +265,6 @@ TEST(ReferenceGroups, WeighRoundsByTheirSamples) {
     EXPECT_FLOAT_EQ(groups.reference()[Component::direct]->mean.rgb[0], 4.f);
 }
 
-TEST(UnresolvedComponents, ArePathsFromDeltaLightsThroughSpecularSurfaces) {
-    const auto unresolved = [](const std::string& light) {
-        const LoadedScene scene = Scene(element("sensor", "perspective", box_film(4)), light,
-                                        shape("rectangle", diffuse(0.5)), shape("sphere", bsdf("dielectric")))
-                                      .load();
-        const auto& path = find_method("path");
-        const auto method =
-            path.create(ParameterValues(all_parameters(path), MethodLabel{"path", {}}), {scene.max_edges});
-        return method->plan(*scene.scene).unresolved;
-    };
-    for (const char* type : {"point", "spot", "directional"})
-        EXPECT_THAT(unresolved(emitter(type)), ElementsAre(Component::caustic, Component::indirect));
-    EXPECT_THAT(unresolved(emitter("constant")), ::testing::IsEmpty());
-    EXPECT_THAT(unresolved(shape("rectangle", area_light(1))), ::testing::IsEmpty());
-}
-
 TEST(HeavyTails, OneGroupThatCarriesTheScatterIsSeen) {
     std::vector<Image> even, spiked;
     for (int g = 0; g < reference_groups; ++g) {
@@ -383,14 +367,6 @@ TEST_F(ReferenceBatchesTest, AnEditedOneIsMadeAgain) {
     EXPECT_EQ(content_of(make("edited.exr")), good);
 }
 
-TEST_F(ReferenceBatchesTest, TakesBatchesOfOthers) {
-    const FinishedReference first = make("others.exr", 0);
-    make_batches("others.exr", first);
-    method_ = fake_method<5000>();  // it would take 40 s for each group
-    const FinishedReference second = make("others.exr", 0);
-    EXPECT_EQ(second.rounds_added, 4u) << "of 1, 1, 2 and 4 passes";
-}
-
 TEST_F(ReferenceBatchesTest, WhatIsShortIsDoneByTheProcessItself) {
     const FinishedReference all = make("all.exr", std::numeric_limits<double>::max());
     EXPECT_FALSE(all.missing.empty()) << "nothing is known before the first round";
@@ -422,7 +398,7 @@ TEST_F(ReferenceBatchesTest, FourTimesAsManyHalveTheStandardError) {
     EXPECT_NEAR(2 * std::log(few / many), std::log(4), 0.212);
 }
 
-// Several methods share the work of a unit, so that few units are enough, which only their shares tell.
+// Several reference methods share the work of a unit, so that few units are enough.
 TEST(StoredReference, OfSeveralMethodsIsNotToppedUpWithoutNeed) {
     const TemporaryFolder folder;
     const LoadedScene scene = load_scene(source_path("scenes/cornell-box.xml"), {{}, {{24, 24}}, {}});

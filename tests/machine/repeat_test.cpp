@@ -97,20 +97,6 @@ TEST_F(RepeatTest, ACellThatFailsIsNotIdenticalByAnEarlierRepetition) {
                     HasSubstr("1 of 2 identical\n")));
 }
 
-TEST_F(RepeatTest, WithoutAReferenceNoCellIsIdenticalByAnEarlierRepetition) {
-    complete("--seeds 1");
-    ASSERT_EQ(repeat().code, 0);
-    // The reference must be made again, but its lock cannot be taken.
-    fs::remove(path("results/e/images/tiny-reference.exr"));
-    fs::create_directories(fs::directory_iterator(path("results/references"))->path().string() + ".lock");
-    const ProgramResult again = repeat();
-    EXPECT_EQ(again.code, 1);
-    for (const std::string passes : {"4", "8"})
-        EXPECT_THAT(again.out, ContainsRegex("not repeated  tiny, path spp=" + passes + ", seed 1, " + passes +
-                                             " passes: [^\n]*cannot write here"));
-    EXPECT_THAT(again.out, HasSubstr("0 of 2 identical\n"));
-}
-
 TEST_F(RepeatTest, WorksFromElsewhereAndWarnsOfOtherMachines) {
     complete("--seeds 1 --only spp=4");
     auto changed = manifest();

@@ -218,21 +218,6 @@ TEST_F(RunResumeTest, WhatAnInterruptedFreshRunDidNotReachIsDoneAgain) {
     }
 }
 
-TEST_F(RunResumeTest, AFreshRunThatWaitsForItsReferenceHasForgottenItsCells) {
-    complete();
-    const auto before = cells();
-    {
-        const std::string reference = fs::directory_iterator(path("results/references"))->path().string();
-        const auto lock = FileLock::if_free(reference + ".lock");
-        ASSERT_TRUE(lock);
-        BackgroundRun fresh(path(), "run e.toml --threads 1 --fresh");
-        ASSERT_TRUE(comes_true([&] { return fresh.said().find("waiting until") != std::string::npos; }));
-        EXPECT_EQ(fresh.interrupt(SIGINT), 130);
-    }
-    ASSERT_EQ(run().code, 0);
-    expect_done_again(before);
-}
-
 /// How often a run is killed: GIB_KILLS in the environment, else 10 times.
 int kills_wanted() {
     const char* text = std::getenv("GIB_KILLS");

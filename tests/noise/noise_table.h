@@ -41,7 +41,7 @@ struct NoiseLook {
     double rays = 0;      ///< for a pixel and a pass
     double figure() const { return variance * rays; }
 };
-/// The look by the row's number of seeds, of which `first_seed` is the first.
+/// The look by the row's number of seeds, from `first_seed` on.
 NoiseLook look_at(const NoiseRow& row, std::uint64_t first_seed);
 
 /// The relative variance of images of one truth: the mean over pixels and channels of s^2 / (m^2 + epsilon), where m and s^2 are the

@@ -1,10 +1,7 @@
 #include "tests/samplers/chi_square.h"
 
-#include "tests/samplers/adaptive_quadrature.h"
-
 #include <gtest/gtest.h>
 #include <cmath>
-#include <stdexcept>
 
 namespace gib::test::chi_square_test {
 namespace {
@@ -43,42 +40,6 @@ TEST(Holm, StepsDownAndCountsWhatIsNotANumberAsRejected) {
     EXPECT_EQ(holm_rejections({0.02, 0.013, 0.016, 0.9}, 0.05), Indices{});
     EXPECT_EQ(holm_rejections({0.5, std::nan("")}, 0.05), Indices{1});
     EXPECT_EQ(holm_rejections({}, 0.05), Indices{});
-}
-
-/// The square [lower, upper]^2 as n x n boxes.
-std::vector<Rectangle> grid(double lower, double upper, int n) {
-    std::vector<Rectangle> boxes;
-    const double step = (upper - lower) / n;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-            boxes.push_back({{lower + i * step, lower + j * step}, {lower + (i + 1) * step, lower + (j + 1) * step}});
-    return boxes;
-}
-
-TEST(AdaptiveQuadrature, MeetsItsToleranceForPeaksJumpsAndCorners) {
-    const auto square = grid(0, 1, 16);
-    const auto tolerance = [](double) { return 1e-5; };
-    const auto disk = [](const Vec2d& x) { return x.squaredNorm() < 0.25 ? 1.0 : 0.0; };
-    const Integral quarter = integrate(disk, square, tolerance, 10'000'000);
-    EXPECT_TRUE(quarter.converged);
-    EXPECT_NEAR(quarter.value, std::numbers::pi / 16, 5e-5);
-    const auto peak = [](const Vec2d& x) { return std::exp(-(x - Vec2d(0.37, 0.61)).squaredNorm() / 2e-4); };
-    const Integral gauss = integrate(
-        peak, square, [](double) { return 1e-9; }, 10'000'000);
-    EXPECT_NEAR(gauss.value, std::numbers::pi * 2e-4, 1e-9);
-    const auto root = [](const Vec2d& x) { return 1 / std::sqrt(x.x()); };
-    EXPECT_NEAR(integrate(root, square, tolerance, 10'000'000).value, 2, 1e-4);
-}
-
-TEST(AdaptiveQuadrature, SaysWhenItGaveUpAndRefusesWhatIsNotFinite) {
-    const auto square = grid(-1, 1, 1);
-    const auto disk = [](const Vec2d& x) { return x.norm() < 0.7 ? 1.0 : 0.0; };
-    EXPECT_FALSE(integrate(
-                     disk, square, [](double) { return 1e-9; }, 10'000)
-                     .converged);
-    const auto tolerance = [](double) { return 1e-3; };
-    const auto pole = [](const Vec2d& x) { return x.x() == 0 ? std::numeric_limits<double>::infinity() : 1 / x.x(); };
-    EXPECT_THROW(integrate(pole, square, tolerance, 10'000), std::domain_error);
 }
 
 }  // namespace

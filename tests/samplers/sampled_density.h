@@ -119,7 +119,7 @@ struct CaseResult {
 /// - that the two densities of a sample agree and are positive and finite, also at the ends of the random numbers'
 ///   ranges;
 /// - the known integrals.
-/// The cells come from a separate pilot sample, which also tells the quadrature where to refine.
+/// The cells come from a separate pilot sample, which also decides where the quadrature refines.
 CaseResult run_case(const SamplerCase& test, std::uint64_t samples);
 
 }  // namespace gib::test

@@ -4,6 +4,7 @@
 
 #include "common/materials/bsdf.h"
 #include "tests/samplers/sampled_density.h"
+#include "tests/support/scene_builder.h"
 
 #include <fmt/format.h>
 
@@ -34,11 +35,6 @@ auto listed_for_every_alternative(const Make& make) {
 
 /// The mean of the channels.
 inline double mean(const Color& c) { return c.cast<double>().mean(); }
-
-/// A parameter of a scene file.
-inline std::string number(const std::string& name, double value) {
-    return fmt::format("<float name='{}' value='{}'/>", name, value);
-}
 
 std::vector<SamplerCase> warp_cases();
 std::vector<SamplerCase> bsdf_cases();

@@ -15,7 +15,7 @@ namespace gib::test {
 namespace {
 
 Bsdf bsdf_of(const std::string& xml) {
-    const LoadedScene scene = load("<shape type='rectangle'>" + xml + "</shape>");
+    const LoadedScene scene = load(shape("rectangle", xml));
     const MaterialPoint point{
         {0.25f, 0.25f}, Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(), frame_along(Vec3::UnitZ(), Vec3::UnitX())};
     return scene.scene->material_of_shape(0).at(point);
@@ -76,24 +76,17 @@ Color LocalBsdf::f(const Vec3& wo, const Vec3& wi, Transport transport) const {
 
 namespace {
 
-std::string bsdf(const std::string& type, const std::string& parameters) {
-    return "<bsdf type='" + type + "'>" + parameters + "</bsdf>";
-}
-
-std::string reflectance(const std::string& rgb) { return "<rgb name='reflectance' value='" + rgb + "'/>"; }
-
 std::string microfacets(const std::string& distribution, double alpha) {
-    return "<string name='distribution' value='" + distribution + "'/>" + number("alpha", alpha);
+    return text("distribution", distribution) + number("alpha", alpha);
 }
 
-const std::string mirror_index = "<string name='material' value='none'/>";
+const std::string mirror_index = text("material", "none");
 const std::string glass_index = number("int_ior", 1.5) + number("ext_ior", 1);
 
 const std::vector<std::string> distributions = {"beckmann", "ggx"};
 
 std::string stretched(const std::string& distribution) {
-    return "<string name='distribution' value='" + distribution + "'/>" + number("alpha_u", 0.05) +
-           number("alpha_v", 0.4);
+    return text("distribution", distribution) + number("alpha_u", 0.05) + number("alpha_v", 0.4);
 }
 
 /// The models to be tested, by the scattering model that they contain.
@@ -102,9 +95,9 @@ struct ModelsOf {
 
     Models operator()(std::type_identity<Diffuse>) const {
         return {
-            {"diffuse", bsdf("diffuse", reflectance("0.2, 0.5, 0.8")), 1, 0.5},
-            {"white diffuse", bsdf("diffuse", reflectance("1")), 1, 1.0},
-            {"two-sided diffuse", bsdf("twosided", bsdf("diffuse", reflectance("0.75"))), 1, 0.75, true},
+            {"diffuse", one_sided("0.2, 0.5, 0.8"), 1, 0.5},
+            {"white diffuse", one_sided("1"), 1, 1.0},
+            {"two-sided diffuse", bsdf("twosided", one_sided("0.75")), 1, 0.75, true},
         };
     }
     Models operator()(std::type_identity<Dielectric>) const {
@@ -144,7 +137,7 @@ struct ModelsOf {
         return models;
     }
     Models operator()(std::type_identity<Plastic>) const {
-        const std::string nonlinear = "<boolean name='nonlinear' value='true'/>";
+        const std::string nonlinear = flag("nonlinear");
         return {
             {"plastic", bsdf("plastic", glass_index)},
             {"white plastic", bsdf("plastic", glass_index + white), 1, 1.0},
@@ -169,11 +162,10 @@ struct ModelsOf {
         Models models;
         for (double alpha : {0.0, 0.2, 0.7, 3.0})
             models.push_back({fmt::format("roughdiffuse {}", alpha),
-                              bsdf("roughdiffuse", reflectance("0.2, 0.5, 0.8") + number("alpha", alpha))});
+                              bsdf("roughdiffuse", rgb("reflectance", "0.2, 0.5, 0.8") + number("alpha", alpha))});
         models[0].albedo = 0.5;
         models.push_back({"fast roughdiffuse",
-                          bsdf("twosided", bsdf("roughdiffuse", number("alpha", 0.5) +
-                                                                    "<boolean name='use_fast_approx' value='true'/>")),
+                          bsdf("twosided", bsdf("roughdiffuse", number("alpha", 0.5) + flag("use_fast_approx"))),
                           1,
                           {},
                           true});
@@ -181,18 +173,17 @@ struct ModelsOf {
     }
     Models operator()(std::type_identity<Ward>) const {
         // At grazing angles ward-duer reflects several times its reflectance.
-        const std::string dark =
-            "<rgb name='specular_reflectance' value='0.1'/><rgb name='diffuse_reflectance' value='0.3'/>";
+        const std::string dark = rgb("specular_reflectance", 0.1) + rgb("diffuse_reflectance", 0.3);
         Models models;
         for (const std::string variant : {"balanced", "ward", "ward-duer"})
             for (double alpha : {0.02, 0.3})
                 models.push_back({fmt::format("{} {}", variant, alpha),
-                                  bsdf("ward", "<string name='variant' value='" + variant + "'/>" +
-                                                   number("alpha_u", alpha) + number("alpha_v", 0.15) + dark)});
+                                  bsdf("ward", text("variant", variant) + number("alpha_u", alpha) +
+                                                   number("alpha_v", 0.15) + dark)});
         return models;
     }
     Models operator()(std::type_identity<Principled>) const {
-        const std::string amber = "<rgb name='base_color' value='0.6, 0.4, 0.1'/>", glass = number("eta", 1.5);
+        const std::string amber = rgb("base_color", "0.6, 0.4, 0.1"), glass = number("eta", 1.5);
         return {
             {"principled", bsdf("principled", "")},
             {"principled metal",
@@ -211,7 +202,7 @@ struct ModelsOf {
         };
     }
     Models operator()(std::type_identity<PrincipledThin>) const {
-        const std::string amber = "<rgb name='base_color' value='0.6, 0.4, 0.1'/>";
+        const std::string amber = rgb("base_color", "0.6, 0.4, 0.1");
         return {
             {"thin principled sheet",
              bsdf("principledthin", amber + number("diff_trans", 0.8) + number("sheen", 0.4) + number("flatness", 0.3)),
@@ -234,7 +225,7 @@ struct ModelsOf {
     }
 
 private:
-    const std::string white = "<rgb name='diffuse_reflectance' value='1'/>";
+    const std::string white = rgb("diffuse_reflectance", "1");
 };
 
 /// Whether the material of this bsdf element has a layer of type T.
@@ -256,9 +247,9 @@ std::vector<BsdfModel> checked_models_of(std::type_identity<T> type) {
 }
 
 std::vector<BsdfModel> mixed_models() {
-    const std::string diffuse = bsdf("diffuse", reflectance("0.5"));
+    const std::string diffuse = one_sided("0.5");
     const std::string rough = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.05));
-    const std::string absorbing = glass_index + "<rgb name='sigma_a' value='0.1, 0.4, 1'/>" + number("thickness", 0.5);
+    const std::string absorbing = glass_index + rgb("sigma_a", "0.1, 0.4, 1") + number("thickness", 0.5);
     return {
         {"coating of diffuse", bsdf("coating", absorbing + diffuse)},
         {"coating of thin index of diffuse", bsdf("coating", number("int_ior", 1) + number("ext_ior", 1.3) + diffuse)},
@@ -292,12 +283,11 @@ std::vector<BsdfModel> bsdf_models() {
 // The steep normals show their back to an eye at the azimuth of bsdf_case that is 33
 // degrees or more off the vertical.
 std::vector<BsdfModel> perturbed_models() {
-    const std::string white = bsdf("diffuse", reflectance("1"));
+    const std::string white = one_sided("1");
     const std::string glossy = bsdf("roughconductor", mirror_index + microfacets("ggx", 0.3));
-    const std::string plain =
-        "<boolean name='flip_invalid_normals' value='false'/><boolean name='use_shadowing_function' value='false'/>";
+    const std::string plain = flag("flip_invalid_normals", false) + flag("use_shadowing_function", false);
     const auto map = [](const std::string& normal, const std::string& inside) {
-        return bsdf("normalmap", "<rgb name='normalmap' value='" + normal + "'/>" + inside);
+        return bsdf("normalmap", rgb("normalmap", "" + normal + "") + inside);
     };
     const std::string mild = "0.64 0.55 0.97", steep = "0.12 0.31 0.77";
     return {

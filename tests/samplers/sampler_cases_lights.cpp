@@ -14,7 +14,7 @@ namespace gib::test {
 
 namespace {
 
-using ScenePointer = std::shared_ptr<const Scene>;
+using ScenePointer = std::shared_ptr<const gib::Scene>;
 
 /// The scene of `xml`, whose lights are all of type Kind; if they are not, throws std::logic_error.
 template <typename Kind>
@@ -37,29 +37,20 @@ ScenePointer emitting(const std::string& xml) {
     return scene;
 }
 
-std::string emitter(const std::string& radiance) {
-    return "<emitter type='area'><rgb name='radiance' value='" + radiance + "'/></emitter>";
-}
-
 /// An emitting shape; `placing` is the content of its to_world.
 std::string area_light(const std::string& type, const std::string& placing, const std::string& parameters = "",
                        const std::string& radiance = "1") {
-    return "<shape type='" + type + "'>" + parameters + "<transform name='to_world'>" + placing + "</transform>" +
-           emitter(radiance) + "</shape>";
-}
-
-std::string translate(double x, double y, double z) {
-    return fmt::format("<translate x='{}' y='{}' z='{}'/>", x, y, z);
+    return shape(type, parameters, to_world(placing), test::area_light(radiance));
 }
 
 /// The density that a path must assume if its ray hits a light by chance. Surfaces that do not emit count as
 /// transparent, as they do for the samplers.
-double light_pdf(const Scene& scene, const Vec3& p, const Vec3& w) {
+double light_pdf(const gib::Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return static_cast<double>(hit && hit->emitter ? scene.light_pdf_w(p, *hit) : scene.environment_pdf_w(p, w));
 }
 
-double radiance(const Scene& scene, const Vec3& p, const Vec3& w) {
+double radiance(const gib::Scene& scene, const Vec3& p, const Vec3& w) {
     const auto hit = scene.intersect(Ray{p, w});
     return mean(hit && hit->emitter ? hit->Le(-w) : scene.environment_radiance(w));
 }
@@ -163,7 +154,7 @@ SamplerCase emission_sphere_case() {
 
 /// The starts of light paths on a rectangle [-2, 2] x [-1, 1] in the plane z = 0.
 SamplerCase emission_rectangle_case() {
-    const ScenePointer scene = emitting<Mesh>(area_light("rectangle", "<scale x='2' y='1' z='1'/>"));
+    const ScenePointer scene = emitting<Mesh>(area_light("rectangle", scale(2, 1, 1)));
     return plane_case(
         "emission: position, rectangle", {{-2, 2}, {-1, 1}},
         [scene](const RandomNumbers& r) {
@@ -172,13 +163,13 @@ SamplerCase emission_rectangle_case() {
         [](const Vec2d&) { return 1.0 / 8; });
 }
 
-const std::string small_shape = "<shape type='sphere'><float name='radius' value='0.5'/></shape>";
+const std::string small_shape = shape("sphere", radius(0.5));
 
 /// The starts of the paths of parallel light along z, on a disk that covers a sphere of
 /// radius 1/2 and the box around it.
 SamplerCase emission_disk_case() {
-    const ScenePointer scene = lit_by<DirectionalLight>(
-        small_shape + "<emitter type='directional'><vector name='direction' x='0' y='0' z='1'/></emitter>");
+    const ScenePointer scene =
+        lit_by<DirectionalLight>(small_shape + emitter("directional", vector("direction", 0, 0, 1)));
     const double radius = 0.5 * std::sqrt(3.0);
     return plane_case(
         "emission: position, directional", {{-1, 1}, {-1, 1}},
@@ -210,16 +201,15 @@ SamplerCase emission_spot_case(double cutoff_degrees, double beam_degrees) {
     };
     return emission_direction_case(
         fmt::format("spot {} {}", cutoff_degrees, beam_degrees),
-        lit_by<SpotLight>(small_shape + "<emitter type='spot'>" + number("cutoff_angle", cutoff_degrees) +
-                          number("beam_width", beam_degrees) + "</emitter>"),
+        lit_by<SpotLight>(small_shape +
+                          emitter("spot", number("cutoff_angle", cutoff_degrees), number("beam_width", beam_degrees))),
         pdf, {1 - std::cos(beam), 1 - std::cos(cutoff)});
 }
 
 /// Where the rays of a projector along z cross the plane at distance 1: uniform over its image.
 SamplerCase emission_projector_case(double fov_degrees) {
     const double size = std::tan(fov_degrees * std::numbers::pi / 360);
-    const ScenePointer scene =
-        lit_by<ProjectorLight>(small_shape + "<emitter type='projector'>" + number("fov", fov_degrees) + "</emitter>");
+    const ScenePointer scene = lit_by<ProjectorLight>(small_shape + emitter("projector", number("fov", fov_degrees)));
     const double edge = size * (1 + 1e-5);  // holds the rounding of directions
     const std::vector<double> breaks = {-1.1 * size, -edge, edge, 1.1 * size};
     return plane_case(
@@ -270,7 +260,7 @@ struct AreaLightCasesOf {
         };
     }
     Cases operator()(std::type_identity<Sphere>) const {
-        const std::string inwards = "<boolean name='flip_normals' value='true'/>";
+        const std::string inwards = flag("flip_normals");
         const ScenePointer sphere = emitting<Sphere>(area_light("sphere", ""));
         const ScenePointer hollow = emitting<Sphere>(area_light("sphere", "", inwards));
         const ScenePointer moved = emitting<Sphere>(area_light("sphere", translate(1, 2, 3)));
@@ -287,7 +277,7 @@ struct AreaLightCasesOf {
         return {light_case("disk", emitting<Disk>(area_light("disk", "")), {1, 0, 2}, {Vec3(-0.5f, 0, -1)})};
     }
     Cases operator()(std::type_identity<Cylinder>) const {
-        const std::string inwards = "<boolean name='flip_normals' value='true'/>";
+        const std::string inwards = flag("flip_normals");
         const ScenePointer hollow = emitting<Cylinder>(area_light("cylinder", "", inwards));
         return {light_case("cylinder from inside", hollow, {0.3f, 0.2f, 0.5f}, {down}), outside_of_cylinder_case()};
     }
@@ -299,7 +289,7 @@ struct LightCasesOf {
         return listed_for_every_alternative<Shape>(AreaLightCasesOf());
     }
     Cases operator()(std::type_identity<PointLight>) const {
-        const ScenePointer scene = lit_by<PointLight>(small_shape + "<emitter type='point'/>");
+        const ScenePointer scene = lit_by<PointLight>(small_shape + emitter("point"));
         return {emission_direction_case("point", scene, uniform)};
     }
     Cases operator()(std::type_identity<SpotLight>) const {
@@ -310,7 +300,7 @@ struct LightCasesOf {
     }
     Cases operator()(std::type_identity<DirectionalLight>) const { return {emission_disk_case()}; }
     Cases operator()(std::type_identity<ConstantEnvironment>) const {
-        const ScenePointer scene = lit_by<ConstantEnvironment>(small_shape + "<emitter type='constant'/>");
+        const ScenePointer scene = lit_by<ConstantEnvironment>(small_shape + emitter("constant"));
         return {light_case("constant", scene, beside_shape, {up}), emission_direction_case("constant", scene, uniform)};
     }
     Cases operator()(std::type_identity<MappedEnvironment>) const {
@@ -318,8 +308,7 @@ struct LightCasesOf {
         const auto lit = [](const std::string& map) { return lit_by<MappedEnvironment>(small_shape + map); };
         const double sun_radius = 4 * std::numbers::pi / 180;
         const std::string sun_at_zenith =
-            "<emitter type='sunsky'>" + number("sun_aperture", 8) +
-            "<vector name='sun_direction' x='0' y='0' z='1'/><transform name='to_world'/></emitter>";
+            emitter("sunsky", number("sun_aperture", 8), vector("sun_direction", 0, 0, 1), to_world());
         return {
             light_case("envmap", lit(sunny_map(folder)), beside_shape, {up}),
             light_case("envmap of noise", lit(envmap_xml(folder, image_of(5, 4, noise))), beside_shape, {up}),
@@ -337,7 +326,7 @@ struct LightCasesOf {
 };
 
 /// The probability with which a point light is chosen at p_file, in a scene that has one.
-double choice_of_point_light(const Scene& scene, const Vec3& p_file) {
+double choice_of_point_light(const gib::Scene& scene, const Vec3& p_file) {
     const LitPoint at = p_file + scene.sensor().generate_ray(0, 0, {0.5f, 0.5f}).o;
     for (std::uint32_t i = 0; i < scene.lights().size(); ++i)
         if (std::holds_alternative<PointLight>(scene.lights()[i]))
@@ -350,8 +339,8 @@ Cases mixed_light_cases() {
     const std::string two_rectangles =
         area_light("rectangle", translate(-1.5, 0, 0)) + area_light("rectangle", translate(1.5, 0, 0), "", "5");
     const std::string three_lights = area_light("rectangle", "") + area_light("sphere", translate(5, 0, 0), "", "0.1") +
-                                     "<emitter type='point'><point name='position' x='-3' y='0' z='2'/></emitter>";
-    const std::string constant_and_point = small_shape + "<emitter type='constant'/><emitter type='point'/>";
+                                     emitter("point", point("position", -3, 0, 2));
+    const std::string constant_and_point = small_shape + emitter("constant") + emitter("point");
     const ScenePointer point_and_others = load(three_lights).scene;
     const Vec3 above = {0, 0, 2};
     return {

@@ -173,6 +173,8 @@ std::vector<SamplerCase> warp_cases() {
         discrete_case("range of 1e5", {1e-2, 1, 10, 100, 1000}),
         filter_case("box 0.5", ReconstructionFilter::box(0.5f), 0.5, [](double) { return 1.0; }),
         filter_case("box 2", ReconstructionFilter::box(2.f), 2, [](double) { return 0.25; }),
+        filter_case("tent 1.25", ReconstructionFilter::tent(1.25f), 1.25,
+                    [](double x) { return std::max(1.25 - std::abs(x), 1e-9) / sqr(1.25); }),
         gaussian_filter_case(0.5),
         gaussian_filter_case(1.5),
     };

@@ -3,6 +3,7 @@
 
 #include "common/images/image_file.h"
 #include "common/sampling/sampler.h"
+#include "tests/support/moments.h"
 #include "tests/support/scene_text.h"
 
 #include <functional>
@@ -59,19 +60,11 @@ inline double sphere_integral(int cells_theta, int cells_phi, int n, const std::
     return sum * 2 * sqr(std::numbers::pi) / (static_cast<double>(rows) * columns);
 }
 
-/// A mean with its standard error.
-struct Mean {
-    double value = 0, error = 0;
-};
-inline Mean mean_over_samples(int n, const std::function<double(const Sampler&)>& f) {
-    double sum = 0, squares = 0;
-    for (int i = 0; i < n; ++i) {
-        const double x = f(Sampler(PointSet::independent, 5, static_cast<std::uint64_t>(i), 0));
-        sum += x;
-        squares += x * x;
-    }
-    const double mean = sum / n;
-    return {mean, std::sqrt(std::max(squares / n - mean * mean, 0.0) / n)};
+inline Moments moments_over_samples(int n, const std::function<double(const Sampler&)>& f) {
+    Moments moments;
+    for (int i = 0; i < n; ++i)
+        moments.add(f(Sampler(PointSet::independent, 5, static_cast<std::uint64_t>(i), 0)));
+    return moments;
 }
 
 }  // namespace gib::test

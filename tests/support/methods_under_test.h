@@ -1,6 +1,6 @@
 #pragma once
 // The methods of the tests that every method has to pass. They come from the registry, so that a new method is tested
-// without being told. Names stand here alone, and only where a method needs other settings than its defaults.
+// without a change here. Only methods that need other settings than their defaults are named.
 
 #include "methods/method.h"
 #include "tests/support/scene_fixtures.h"
@@ -112,7 +112,7 @@ inline std::vector<MethodUnderTest> pilot_variants() {
     return variants;
 }
 
-/// Those of the methods that take samples of each pixel.
+/// The methods that take samples of each pixel.
 inline std::vector<MethodUnderTest> methods_that_sample_pixels(Work work = Work::defaults) {
     auto methods = methods_under_test(work);
     std::erase_if(methods, [](const MethodUnderTest& method) { return !method.samples_pixels(); });

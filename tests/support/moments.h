@@ -21,7 +21,7 @@ public:
     double mean() const { return mean_of(count_); }
     double standard_error() const { return standard_error_of(count_); }
 
-    /// The mean and the standard error of n numbers, of which those that were not added are zero.
+    /// The mean and the standard error of n numbers: the added ones and zeros.
     double mean_of(std::uint64_t n) const { return sum_ / static_cast<double>(n); }
     double standard_error_of(std::uint64_t n) const {
         const auto size = static_cast<double>(n);

@@ -37,7 +37,7 @@ void expect_errors(const std::vector<ExpectedError>& rows, const ErrorOf& error_
         EXPECT_THAT(error, HasSubstr(message)) << content;
     }
 }
-/// Of bodies of scenes, from line 2.
+/// The same for bodies of scenes, which begin on line 2.
 inline void expect_errors(const std::vector<ExpectedError>& rows) {
     expect_errors(rows, [](const std::string& body) { return scene_error(body); });
 }

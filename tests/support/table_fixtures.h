@@ -33,7 +33,7 @@ inline Cell run_of(const std::string& method, double c, double first, double las
     return cell;
 }
 
-/// A row with a mean squared error of 1, of which `bias2` is bias.
+/// A row with a mean squared error of 1 and this squared bias.
 inline TableRow row_of(const std::string& method, Layer layer = Layer::total, const std::optional<Estimate>& bias2 = {},
                        int seeds = 1) {
     TableRow row;

@@ -1,6 +1,8 @@
 #include "methods/parts/density/density_estimate.h"
 
+#include "methods/parts/density/place_radius.h"
 #include "methods/parts/density/surface_disc.h"
+#include "methods/parts/kd_tree/nearest.h"
 
 #include <algorithm>
 
@@ -88,8 +90,8 @@ public:
         if (flat_) return neighbours_;
         if (!disc_.find_obstacles(rays_, r, e_.max_radius) && !hidden) return neighbours_;
         near_obstacle_ = true;
-        map_.nearest(
-            hit_.p, e_.k, e_.max_radius,
+        find_nearest(
+            map_, hit_.p, e_.k, e_.max_radius,
             [this](const Photon& photon, float distance2) {
                 const Vec3 offset = photon.p - hit_.p;
                 return counts_(photon, offset, distance2) && disc_.contains(offset);
@@ -130,13 +132,13 @@ private:
     template <typename Accept>
     void find_k(const Accept& accept) {
         const float near = last_ ? last_->radius + (hit_.p - last_->p).norm() : infinity;
-        if (near < e_.max_radius) map_.nearest(hit_.p, e_.k, near, accept, neighbours_);
+        if (near < e_.max_radius) find_nearest(map_, hit_.p, e_.k, near, accept, neighbours_);
         if (!(near < e_.max_radius) || neighbours_.size() < e_.k)
-            map_.nearest(hit_.p, e_.k, e_.max_radius, accept, neighbours_);
+            find_nearest(map_, hit_.p, e_.k, e_.max_radius, accept, neighbours_);
         if (last_) *last_ = {hit_.p, neighbours_.size() == e_.k ? std::sqrt(neighbours_.back().distance2) : infinity};
     }
 
-    bool is_flat_within(float r) const { return e_.by_place.is_flat_within(hit_, r); }
+    bool is_flat_within(float r) const { return e_.is_flat_within(hit_, r); }
 
     const DensityEstimator& e_;
     const PhotonMap& map_;
@@ -291,8 +293,9 @@ Reflected DensityEstimator::reflected_radiance(const PhotonMap& map, RayQueries&
     PhotonSearch search(*this, map, rays, hit, wo, eye, sampler.get_2d(dimension), last);
     const ReflectedPower f_phi(hit, wo, eye, map.unit());
     const Estimate estimate(*this, search, f_phi);
-    Reflected light = k == all_photons ? estimate.from_all_within(max_radius * by_place.share(rays, hit, wo))
-                                       : estimate.from_nearest();
+    const bool by_place = largest_by_place > 0.f && !is_flat_within(hit, largest_by_place);
+    const float share = by_place ? share_of_radius_at(rays, hit, wo, largest_by_place) : 1.f;
+    Reflected light = k == all_photons ? estimate.from_all_within(share * max_radius) : estimate.from_nearest();
     light.near_obstacle = search.near_obstacle();
     return light;
 }

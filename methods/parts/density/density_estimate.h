@@ -28,8 +28,8 @@
 
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
+#include "methods/parts/density/flat_regions.h"
 #include "methods/parts/density/kernel.h"
-#include "methods/parts/density/place_radius.h"
 #include "methods/parts/photons/photon_join.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/transport/ray_queries.h"
@@ -74,14 +74,20 @@ struct DensityEstimator {
     float max_radius;  ///< [scene units]
     DiscArea area;
     bool estimates_bias = false;  ///< only with all_photons
-    /// Bounds the radius by place, as a share of `max_radius`, with all_photons only; its flat regions spare any look-up rays.
-    PlaceRadius by_place = {};
+    /// With all_photons, the radius from which place_radius.h finds the share of `max_radius` that suits the place; 0: all of it.
+    float largest_by_place = 0.f;
+    const FlatRegions* flat = nullptr;  ///< spare look-ups rays; null: rays are always traced
 
     /// Radiance [W/(sr m^2)] reflected at `hit` towards wo, estimated from the photons around it that `eye` accepts.
     /// The sampler's numbers of `dimension` place the rays that probe the disc. `last` may be null.
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                  const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                                  LastLookUp* last = nullptr) const;
+    /// Whether there is nothing but the surface's plane as far from the centre as the rays for a disc of radius r reach.
+    bool is_flat_within(const SurfaceHit& hit, float r) const {
+        constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
+        return flat && flat->flat_around(hit, reach * r);
+    }
 };
 
 /// Bound of the rounding error of the position p in any direction [scene units]: p is a sum of numbers as large

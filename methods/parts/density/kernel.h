@@ -1,7 +1,7 @@
 #pragma once
-// Kernels of the density estimate: radial weights over a disc, each with integral 1. With s = d / r the weight times
-// pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2)) (gaussian, cut off
-// at two standard deviations), 2 (1 - s^2) (epanechnikov).
+// Kernels of the density estimate: radial weights over a disc, or in media over a ball, each with integral 1. With s = d / r the
+// weight over a disc times pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2))
+// (gaussian, cut off at two standard deviations), 2 (1 - s^2) (epanechnikov); over a ball the weights have the same shapes.
 
 #include <array>
 #include <numbers>
@@ -22,6 +22,12 @@ double kernel_weight(Kernel kernel, float d2, float r);
 float kernel_mass(Kernel kernel, float s);
 /// Inverse of kernel_mass(): the distance, as a fraction of r, within which the share `u` lies.
 float kernel_radius(Kernel kernel, float u);
+
+/// K(d) [1/volume] for d^2 = `d2` <= r^2, r > 0; integrates to 1 over the ball of radius r. In double: 1 / r^3
+/// exceeds the range of float below r = 1e-13.
+double ball_kernel_weight(Kernel kernel, float d2, float r);
+/// The distance, as a fraction of r, below which the share `u` of the kernel's integral over the ball lies.
+float ball_kernel_radius(Kernel kernel, float u);
 
 /// The bias of an estimate from the radius r, which falls as r^2, is this multiple of its difference to the estimate from
 /// the same photons within r / sqrt(2), whose bias is half as large.

@@ -42,8 +42,7 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
 
 }  // namespace
 
-float PlaceRadius::share(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo) const {
-    if (!(largest > 0.f) || is_flat_within(hit, largest)) return 1.f;
+float share_of_radius_at(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, float largest) {
     // Light passes through a surface that transmits, and both sides have the same radius.
     const Frame frame(hit.bsdf->traits().transmission ? hit.ng : normal_towards(hit, wo));
     float share = 1.f;

@@ -9,22 +9,12 @@
 //
 // The radius depends on the place alone, without random numbers, so that look-ups of all passes shrink from the same one.
 
-#include "methods/parts/density/flat_regions.h"
 #include "methods/parts/transport/ray_queries.h"
 
 namespace gib {
 
-struct PlaceRadius {
-    float largest = 0.f;                ///< radius on large surfaces [scene units]; 0: no place bounds it
-    const FlatRegions* flat = nullptr;  ///< tells where no rays are needed; null: they are always traced
-
-    /// The radius at `hit` for light on the side of wo, as a share of the largest: 1, 1/2, 1/4, ... down to 2^-12.
-    float share(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo) const;
-    /// Whether there is nothing but the surface's plane as far from the centre as the rays for a disc of radius r reach.
-    bool is_flat_within(const SurfaceHit& hit, float r) const {
-        constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
-        return flat && flat->flat_around(hit, reach * r);
-    }
-};
+/// The radius at `hit` for light on the side of wo, as a share of `largest`, the radius on large surfaces [scene units]: 1, 1/2,
+/// 1/4, ... down to 2^-12.
+float share_of_radius_at(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, float largest);
 
 }  // namespace gib

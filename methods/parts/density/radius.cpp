@@ -3,6 +3,7 @@
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
 #include "methods/parts/density/kernel.h"
+#include "methods/parts/kd_tree/kd_tree_build.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <fmt/format.h>
@@ -40,15 +41,28 @@ struct WeighedPlaces {
 };
 constexpr std::size_t nearest_photons = 10;
 
-WeighedPlaces weighed(const PhotonMap& photons, const std::vector<Vec3>& places, int dimensions, double longest) {
+/// The squared distance of the tenth nearest of the photons that shine; infinite if fewer lie within `longest`.
+float tenth_distance2(const KdTree<Photon>& photons, const Vec3& p, float longest) {
+    std::array<float, nearest_photons> nearest;  // a heap, the farthest in front
+    nearest.fill(infinity);
+    photons.traverse(
+        p, [&] { return std::min(longest * longest, nearest.front()); },
+        [&](std::uint32_t index, float distance2) {
+            if (!(distance2 < nearest.front()) || !(photons[index].power().mean() > 0.f)) return;
+            std::pop_heap(nearest.begin(), nearest.end());
+            nearest.back() = distance2;
+            std::push_heap(nearest.begin(), nearest.end());
+        });
+    return nearest.front();
+}
+
+WeighedPlaces weighed(const KdTree<Photon>& photons, const std::vector<Vec3>& places, int dimensions, double longest) {
     WeighedPlaces weighed;
     std::vector<double> discs;
-    std::vector<Neighbour> found;
     for (const Vec3& p : places) {
-        const auto shines = [](const Photon& photon, float) { return photon.power().mean() > 0.f; };
-        photons.nearest(p, nearest_photons, static_cast<float>(longest), shines, found);
-        const bool full = found.size() == nearest_photons && found.back().distance2 > 0.f;
-        const double disc = full ? std::pow(double{found.back().distance2}, 0.5 * dimensions) : double{infinity};
+        const float distance2 = tenth_distance2(photons, p, static_cast<float>(longest));
+        const bool full = distance2 > 0.f && distance2 < infinity;
+        const double disc = full ? std::pow(double{distance2}, 0.5 * dimensions) : double{infinity};
         weighed.places.push_back({p, disc});
         if (full) discs.push_back(disc);
     }
@@ -87,7 +101,7 @@ struct TriedRadius {
 /// halves of the photons, in whose expectation their noise is absent. With alpha = 2/3 the variance of a mean over N
 /// passes is that of the first times N^(-2/3) / (2 - alpha), and on surfaces the squared bias is that of the first times
 /// N^(-2/3) / alpha^2, so the ratio is the same for any number of passes. In media (`dimensions` = 3) balls stand for discs.
-TriedRadius try_radius(double r, const PhotonMap& photons, const std::vector<Trial>& trials, double passes,
+TriedRadius try_radius(double r, const KdTree<Photon>& photons, const std::vector<Trial>& trials, double passes,
                        const std::vector<WeighedPlace>& places, int dimensions, double most) {
     constexpr double alpha = 2.0 / 3;
     const double outside = 1, inside = 1 - std::pow(double{narrow_radius}, -dimensions);
@@ -133,10 +147,11 @@ std::uint64_t pilot_passes(double paths) {
     return static_cast<std::uint64_t>(std::max(1.0, std::ceil(enough / paths)));
 }
 
-double first_radius(const PhotonMap& photons, double passes, const std::vector<Vec3>& places, double most,
+double first_radius(const std::vector<Photon>& stored, double passes, const std::vector<Vec3>& places, double most,
                     int dimensions, float diagonal) {
     constexpr double photons_at_start = 0.05;
     const double longest = 0.1 * double{diagonal};
+    const KdTree<Photon> photons(stored);
     const WeighedPlaces weighed_places = weighed(photons, places, dimensions, longest);
     if (!(weighed_places.quarter > 0)) return 0.02 * double{diagonal};
     std::vector<Trial> trials;

@@ -12,7 +12,7 @@
 // O(N^-2 (1 - alpha)) with beams, but at most O(N^-1).
 
 #include "methods/parameters.h"
-#include "methods/parts/photons/photon_map.h"
+#include "methods/parts/photons/photon.h"
 #include "methods/parts/transport/specular_walk.h"
 
 #include <cmath>
@@ -84,7 +84,7 @@ std::uint64_t pilot_passes(double paths);
 /// begins with a radius within which the densest quarter of the places has 1/20 of a photon or more. The footprint of a
 /// pixel would be too small in a dim scene. A fiftieth of the diagonal if there is no place with ten photons within a tenth
 /// of the diagonal.
-double first_radius(const PhotonMap& photons, double passes, const std::vector<Vec3>& places, double most,
+double first_radius(const std::vector<Photon>& photons, double passes, const std::vector<Vec3>& places, double most,
                     int dimensions, float diagonal);
 
 /// A radius [scene units] as a fact of a run, in scene diagonals.

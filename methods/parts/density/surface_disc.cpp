@@ -1,5 +1,7 @@
 #include "methods/parts/density/surface_disc.h"
 
+#include "common/sampling/warp.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,12 @@ constexpr float rising_slope = 0.02f;
 /// of the radius miss less than 2.5 % of the disc's area.
 constexpr float rim = 0.95f;
 
+/// Points of the ball are probed until this many are visible from its centre.
+constexpr int probes_in_sight = 8;
+/// Largest number of probes, which bounds their time: a point that sees less than a 64th of its ball is
+/// estimated too dark.
+constexpr int most_probes = 64 * probes_in_sight;
+
 /// end / r, at most 1; defined for r = 0, too.
 float part_of_radius(float end, float r) { return end < r ? end / r : 1.f; }
 
@@ -23,6 +31,17 @@ bool belongs_to(const SurfaceHit& found, const SurfaceHit& centre, const Vec3& n
     if (!(normal_towards(found, normal).dot(normal) > min_normal_cosine)) return false;
     const LobeTraits& lobes = found.bsdf->traits_at(found.ns.dot(normal));
     return lobes.diffuse || (lobes.glossy && !centre.bsdf->traits_at(centre.ns.dot(normal)).diffuse);
+}
+
+float reciprocal_share_in_sight(Kernel kernel, RayQueries& rays, const Vec3& p, float r, NumberStream& u) {
+    int in_sight = 0, probes = 0;
+    for (; in_sight < probes_in_sight && probes < most_probes; ++probes) {
+        const float first = u.next();
+        const Vec3 w = square_to_sphere({first, u.next()});
+        const float distance = r * ball_kernel_radius(kernel, u.next());
+        if (!rays.intersect({.o = p, .d = w, .t_max = distance})) ++in_sight;
+    }
+    return static_cast<float>(probes) / static_cast<float>(std::max(in_sight, 1));
 }
 
 SurfaceDisc::SurfaceDisc(const SurfaceHit& hit, const Vec3& normal, const Vec2& u)

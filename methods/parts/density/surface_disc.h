@@ -38,6 +38,12 @@ inline constexpr float max_elevation_slope = 0.5f;
 /// same way and has lobes of the centre's kind.
 bool belongs_to(const SurfaceHit& found, const SurfaceHit& centre, const Vec3& normal);
 
+/// An unbiased estimate of 1 / phi, where phi is the share of the kernel's ball of radius r around p that no surface
+/// hides from p. Independent points of the ball are probed until m of them are visible, and the estimate is the number
+/// of probes over m. That number is a negative binomial variable of mean m / phi; the reciprocal of a share found by n
+/// probes would be too large by (1 - phi) / (n phi), which is 12 % where half of the ball is hidden and n = 8.
+float reciprocal_share_in_sight(Kernel kernel, RayQueries& rays, const Vec3& p, float r, NumberStream& u);
+
 class SurfaceDisc {
 public:
     /// The disc around `hit` on the side of `normal`. The random numbers `u` turn the rays and place the probes.

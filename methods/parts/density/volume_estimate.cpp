@@ -1,5 +1,8 @@
 #include "methods/parts/density/volume_estimate.h"
 
+#include "methods/parts/density/surface_disc.h"
+#include "methods/parts/kd_tree/nearest.h"
+
 namespace gib {
 
 Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& rays, const Vec3& p,
@@ -25,8 +28,8 @@ Scattered VolumeEstimator::scattered_radiance(const PhotonMap& map, RayQueries& 
         add_all_within(r);
     } else {
         std::vector<Neighbour>& neighbours = neighbours_of_thread();
-        map.nearest(
-            p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, neighbours);
+        find_nearest(
+            map, p, k, max_radius, [&](const Photon& photon, float) { return eye.accepts(photon); }, neighbours);
         std::size_t inside = neighbours.size();
         if (inside == k) r = std::sqrt(neighbours[--inside].distance2);
         const float unresolved = std::min(place_rounding(rays.scene(), p), max_radius);

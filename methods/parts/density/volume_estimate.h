@@ -18,7 +18,6 @@
 
 #include "common/media/phase.h"
 #include "common/sampling/sampler.h"
-#include "methods/parts/density/ball_kernel.h"
 #include "methods/parts/density/density_estimate.h"
 #include "methods/parts/photons/photon_join.h"
 

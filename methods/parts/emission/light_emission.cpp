@@ -15,7 +15,7 @@ constexpr double most_kept = 0.35;
 }  // namespace
 
 LightEmission::Maps LightEmission::towards_specular(const Scene& scene) {
-    auto map = std::make_shared<ProjectionMap>(scene, TargetSurfaces::specular, most_bins);
+    std::shared_ptr<const AimedEmission> map = AimedEmission::at_surfaces(scene, TargetSurfaces::specular, most_bins);
     const bool pays = !map->empty() && map->kept_power() <= most_kept;
     return pays ? Maps{std::move(map)} : Maps();
 }
@@ -33,12 +33,13 @@ std::optional<LightEmission::Start> LightEmission::sample(const Sampler& sampler
     const Vec2 &position = u[dimension::emission_position], &direction = u[dimension::emission_direction];
     std::optional<Start> start(std::in_place);
     EmissionSample& sample = start->sample;
+    std::size_t kind = 0;
     if (maps_.empty()) {
         sample = scene_->sample_emission(choice.x(), position, direction);
     } else {
         const auto kinds = static_cast<float>(maps_.size() + 1);
         const float scaled = choice.x() * kinds;
-        const std::size_t kind = std::min(static_cast<std::size_t>(scaled), maps_.size());
+        kind = std::min(static_cast<std::size_t>(scaled), maps_.size());
         choice.x() = std::min(scaled - static_cast<float>(kind), 1.f - unit_roundoff);
         sample = kind < maps_.size()
                      ? maps_[kind]->sample_emission(*scene_, maps_[kind]->choose_bin(choice), position, direction)
@@ -48,12 +49,11 @@ std::optional<LightEmission::Start> LightEmission::sample(const Sampler& sampler
     }
     const bool has_surface = std::holds_alternative<AreaLight>(scene_->lights()[sample.light]);
     start->cos_light = has_surface ? sample.normal.dot(sample.ray.d) : 1.f;
-    start->density = density(sample.light, sample.ray.o, sample.ray.d, start->cos_light);
+    start->density = density_of(kind, sample.light, sample.ray.d, start->cos_light);
     return start;
 }
 
-double LightEmission::density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const {
-    const std::size_t kind = maps_.empty() ? 0 : kind_of(light, p, w);
+double LightEmission::density_of(std::size_t kind, std::uint32_t light, const Vec3& w, float cos_light) const {
     const double of_kind = kind < maps_.size() ? maps_[kind]->density(*scene_, light, w, cos_light)
                                                : scene_->emission_pdf(light, w, cos_light);
     return of_kind / static_cast<double>(maps_.size() + 1);

@@ -14,7 +14,7 @@
 // and V_l. No light is lost, since a map holds all rays that meet a target.
 
 #include "common/sampling/sampler.h"
-#include "methods/parts/emission/projection_map.h"
+#include "methods/parts/emission/aimed_emission.h"
 
 #include <memory>
 #include <optional>
@@ -24,7 +24,7 @@ namespace gib {
 
 class LightEmission {
 public:
-    using Maps = std::vector<std::shared_ptr<const ProjectionMap>>;
+    using Maps = std::vector<std::shared_ptr<const AimedEmission>>;
     /// Without maps all starts are ordinary.
     explicit LightEmission(const Scene& scene, Maps maps = {}) : scene_(&scene), maps_(std::move(maps)) {}
     /// The map that aims at specular surfaces, if most emission cannot reach any.
@@ -41,9 +41,12 @@ public:
     /// The power of ordinary starts over the mean of all.
     float ordinary_power() const { return static_cast<float>(maps_.size() + 1); }
     /// The density of starts of a light at p, or for a light at infinity on the line through p, in direction w.
-    double density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const;
+    double density(std::uint32_t light, const Vec3& p, const Vec3& w, float cos_light) const {
+        return density_of(kind_of(light, p, w), light, w, cos_light);
+    }
 
 private:
+    double density_of(std::size_t kind, std::uint32_t light, const Vec3& w, float cos_light) const;
     /// The number of the map to which the ray belongs, or of maps.
     std::size_t kind_of(std::uint32_t light, const Vec3& p, const Vec3& w) const;
 

@@ -212,6 +212,11 @@ private:
     std::vector<Growing> bins_;
 };
 
+std::unique_ptr<AimedEmission> AimedEmission::at_surfaces(const Scene& scene, TargetSurfaces surfaces,
+                                                          std::size_t most_bins) {
+    return std::make_unique<ProjectionMap>(scene, surfaces, most_bins);
+}
+
 ProjectionMap::ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins)
     : ProjectionMap(scene, ProjectionTargets(scene, surfaces, std::min(balls_per_bin * most_bins, most_balls)),
                     most_bins) {}

@@ -24,26 +24,22 @@
 
 namespace gib {
 
-class Scene;
-
-class ProjectionMap {
+class ProjectionMap final : public AimedEmission {
 public:
     /// Builds at most `most_bins` bins for all lights together; lights of more power get more of them.
     ProjectionMap(const Scene& scene, ProjectionTargets targets, std::size_t most_bins);
     /// The same for surfaces of the scene.
     ProjectionMap(const Scene& scene, TargetSurfaces surfaces, std::size_t most_bins = 1 << 16);
 
-    /// Whether no light can reach a target.
-    bool empty() const { return bins_.empty(); }
-    /// Whether some bin of some light was dropped.
-    bool aims() const { return aims_; }
-
-    /// Chooses a bin with its probability and returns its index. The map must not be empty.
-    std::uint32_t choose_bin(const Vec2& u) const;
-    /// The start of a light path in a chosen bin. Its power is the estimate Phi(x) V_l / P_l [W] of the power that
-    /// leaves through all bins.
+    bool empty() const override { return bins_.empty(); }
+    bool aims() const override { return aims_; }
+    double kept_power() const override;
+    std::uint32_t choose_bin(const Vec2& u) const override;
+    /// The power of the sample is Phi(x) V_l / P_l [W].
     EmissionSample sample_emission(const Scene& scene, std::uint32_t bin, const Vec2& u_position,
-                                   const Vec2& u_direction) const;
+                                   const Vec2& u_direction) const override;
+    double density(const Scene& scene, std::size_t light, const Vec3& w, float cos_light) const override;
+    bool meets_target(const Scene& scene, std::size_t light, const Vec3& p, const Vec3& w) const override;
 
     struct Bin {
         EmissionBox box;
@@ -54,15 +50,8 @@ public:
     /// of its power.
     double kept(std::size_t light) const { return lights_[light].kept; }
 
-    /// The share of all lights' power that the bins hold, with untextured lights.
-    double kept_power() const;
-    /// The density of a start in the light's bins in direction w, as of emission_pdf(), with the choice of the light.
-    double density(const Scene& scene, std::size_t light, const Vec3& w, float cos_light) const;
     /// The light as the bins cut it: one at infinity over the disc that covers the targets, if this is smaller than the scene's.
     const Light& light_of(const Scene& scene, std::size_t light) const;
-    /// Whether a ray of the light meets a target: one that starts at p in direction w, or for a light at infinity the
-    /// whole line through p. The bins hold all such rays.
-    bool meets_target(const Scene& scene, std::size_t light, const Vec3& p, const Vec3& w) const;
 
 private:
     struct OfLight {

@@ -3,18 +3,12 @@
 // bundle of rays can meet one of them.
 
 #include "common/lights/emission_bounds.h"
+#include "methods/parts/emission/aimed_emission.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace gib {
-
-class Scene;
-
-enum class TargetSurfaces {
-    all,
-    specular  ///< surfaces whose material has a specular lobe
-};
 
 /// The tree of balls. Meshes, with their large triangles, are cut into the pieces that lie in the voxels of a grid;
 /// shapes of instances are carried into the scene. Each piece lies inside its ball.

@@ -4,6 +4,7 @@
 #include "methods/method.h"
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
+#include "methods/parts/kd_tree/nearest.h"
 #include "methods/parts/transport/white_surface.h"
 
 #include <algorithm>
@@ -135,11 +136,11 @@ std::optional<Color> PrecomputedIrradiance::at(RayQueries& rays, const SurfaceHi
         const bool in_doubt = place.near_obstacle() || distance2 > sqr(seen);
         return !in_doubt || reaches(rays, hit, normal, place);
     };
-    auto nearest = places_.nearest(hit.p, max_distance, on_surface);
+    auto nearest = find_nearest(places_, hit.p, max_distance, on_surface);
     if (!nearest) return std::nullopt;
     // The nearest place is tested by itself, because a search that tests places on its way would trace more rays.
     if (!serves(places_[nearest->index], nearest->distance2)) {
-        nearest = places_.nearest(hit.p, max_distance, [&](const IrradiancePlace& place, float distance2) {
+        nearest = find_nearest(places_, hit.p, max_distance, [&](const IrradiancePlace& place, float distance2) {
             return on_surface(place, distance2) && serves(place, distance2);
         });
         if (!nearest) return std::nullopt;

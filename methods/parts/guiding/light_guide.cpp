@@ -1,6 +1,7 @@
 #include "methods/parts/guiding/light_guide.h"
 
 #include "common/scene/scene.h"
+#include "methods/parts/emission/projection_map.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
-// Points with payloads, such as photons, in a balanced kd-tree, with searches for the nearest ones and for all within
-// a radius. Source: Jensen 2001, chapter 6.
+// Points with payloads, such as photons, in a balanced kd-tree, with searches within a radius; the search for the nearest points
+// is nearest.h. Source: Jensen 2001, chapter 6.
 //
 // A leaf holds eight points. Their positions are stored by coordinate, so that one look at a leaf yields eight
 // distances and a mask of those within the bound; only these points are shown to the caller. The payloads are stored
@@ -9,7 +9,6 @@
 
 #include "common/core/huge_pages.h"
 #include "common/core/math.h"
-#include "methods/parts/kd_tree/nearest_buffer.h"
 
 #ifdef __AVX2__
 #include <immintrin.h>
@@ -18,7 +17,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 namespace gib {
@@ -49,17 +47,11 @@ public:
                nodes_.size() * sizeof(Node);
     }
 
-    /// Finds the k points nearest to p within `max_distance` [scene units] for which accept(point, distance2)
-    /// holds, or all of these if there are fewer (Jensen 2001, section 6.4). Their order is arbitrary, but if there
-    /// are k, the LAST one is the farthest. Of points at equal distance the one with the lower index counts as
-    /// nearer. `neighbours` is cleared first and keeps its memory. A squared distance is (dx^2 + dy^2) + dz^2 with
-    /// each operation rounded. accept is called only for points within the largest distance that still matters.
-    template <typename Accept>
-    void nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                 std::vector<Neighbour>& neighbours) const;
-    /// The nearest of these points; empty if there is none.
-    template <typename Accept>
-    std::optional<Neighbour> nearest(const Vec3& p, float max_distance, Accept&& accept) const;
+    /// Calls visit(index, distance2) for the points with distance2 <= bound(), which may fall on the way: points between the
+    /// old bound and the new one may still be visited. Points near p come early. A squared distance is (dx^2 + dy^2) + dz^2
+    /// with each operation rounded.
+    template <typename Bound, typename Visit>
+    void traverse(const Vec3& p, const Bound& bound, const Visit& visit) const;
 
     /// Whether accept(point, distance2) holds for any point with distance2 <= radius^2.
     template <typename Accept>
@@ -108,11 +100,6 @@ private:
     float split_at_median(std::size_t begin, std::size_t middle, std::size_t end);
     void store_leaves(const std::vector<Point>& points);
 
-    /// Calls visit_point(index, distance2) for the points with distance2 <= bound(). At every node the side of p is
-    /// visited before the other.
-    template <typename Bound, typename VisitPoint>
-    void traverse(const Vec3& p, const Bound& bound, const VisitPoint& visit_point) const;
-
     HugePageVector<PositionBlock> positions_;  ///< positions, leaf after leaf
     HugePageVector<Payload> payloads_;         ///< payloads in the same order
     HugePageVector<Node> nodes_;
@@ -139,8 +126,8 @@ inline std::uint32_t KdTree<Point>::PositionBlock::within(const Vec3& p, float b
 }
 
 template <typename Point>
-template <typename Bound, typename VisitPoint>
-void KdTree<Point>::traverse(const Vec3& p, const Bound& bound, const VisitPoint& visit_point) const {
+template <typename Bound, typename Visit>
+void KdTree<Point>::traverse(const Vec3& p, const Bound& bound, const Visit& visit) const {
     struct Pending {
         Subtree tree;
         std::array<float, 3> offset;  ///< distance of the subtree's box from p, by axis
@@ -172,39 +159,9 @@ void KdTree<Point>::traverse(const Vec3& p, const Bound& bound, const VisitPoint
         std::uint32_t mask = positions_[at.tree.first].within(p, bound(), distance2);
         for (; mask != 0; mask &= mask - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(mask));
-            visit_point(at.tree.first * leaf_size + lane, distance2[lane]);
+            visit(at.tree.first * leaf_size + lane, distance2[lane]);
         }
     }
-}
-
-template <typename Point>
-template <typename Accept>
-void KdTree<Point>::nearest(const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
-                            std::vector<Neighbour>& neighbours) const {
-    NearestBuffer buffer(k, max_distance, neighbours);
-    if (k > 0)
-        traverse(
-            p, [&] { return buffer.bound(); },
-            [&](std::uint32_t index, float distance2) {
-                if (distance2 <= buffer.bound() && accept((*this)[index], distance2)) buffer.offer(distance2, index);
-            });
-    buffer.finish();
-}
-
-template <typename Point>
-template <typename Accept>
-std::optional<Neighbour> KdTree<Point>::nearest(const Vec3& p, float max_distance, Accept&& accept) const {
-    std::optional<Neighbour> nearest;
-    float bound = max_distance * max_distance;
-    traverse(
-        p, [&] { return bound; },
-        [&](std::uint32_t index, float distance2) {
-            const Neighbour candidate{distance2, index};
-            if (distance2 > bound || (nearest && !(candidate < *nearest)) || !accept((*this)[index], distance2)) return;
-            nearest = candidate;
-            bound = distance2;
-        });
-    return nearest;
 }
 
 template <typename Point>

@@ -4,6 +4,7 @@
 #include "common/core/error.h"
 #include "common/core/parallel.h"
 #include "methods/parts/kd_tree/kd_tree.h"
+#include "methods/parts/kd_tree/selection.h"
 
 #include <algorithm>
 #include <cstring>

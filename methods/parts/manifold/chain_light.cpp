@@ -16,6 +16,16 @@ ChainEnd end_on(const Light& light, const SurfaceGeometry& y) {
     return {y.p, false};
 }
 
+/// The unit direction from x to the end.
+Vec3 direction_to(const ChainEnd& end, const Vec3& x) { return end.at_infinity ? end.p : Vec3(end.p - x).normalized(); }
+
+/// Whether light from w may reach the hit from the side of wo, or from any side of one that transmits.
+bool may_receive(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w) {
+    if (!(w.squaredNorm() > 0.5f)) return false;
+    return hit.bsdf->traits().transmission ||
+           w.dot(hit.shading.n) * hit.shading.n.dot(hit.shading.to_world(wo_local)) >= 0.f;
+}
+
 /// f |cos| of the hit for light from w.
 LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w) {
     if (hit.delta_only || !hit.normals_agree_about(w)) return {};
@@ -26,12 +36,12 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
     return f;
 }
 
-/// Whether Newton's method has found the same chain twice: within the errors of both.
+/// Whether Newton's method has found the same chain twice. Directions may differ by four times the errors of both, and by
+/// 1e-4 for the rounding of p in single precision, which chains magnify. Different chains are hundredths apart and more.
 bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-4 + 4 * (a.error + b.error); }
 
-/// Share of the seeds that begin in the direction of the light, if the chain's surface lies there (Hanika et al. 2015).
-constexpr float straight_share = 0.75f;
-
+/// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
+/// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
 constexpr int most_redraws = 32;
 
 bool may_make_chains(const Scene& scene, std::size_t shape) {
@@ -42,7 +52,7 @@ bool may_make_chains(const Scene& scene, std::size_t shape) {
 }  // namespace
 
 ChainSampler::ChainSampler(const Scene& scene, int longest)
-    : scene_(scene), longest_(longest), area_(scene.shapes().size()), is_made_(scene.lights().size(), false) {
+    : scene_(scene), longest_(longest), area_(scene.shapes().size()) {
     const InstancedGroups& groups = scene.groups();
     const auto outside = static_cast<std::uint32_t>(groups.begin.empty() ? scene.shapes().size() : groups.begin[0]);
     const auto add = [&](std::uint32_t shape, std::uint32_t instance) {
@@ -57,41 +67,92 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
         for (std::uint32_t i = groups.begin[group]; i < groups.begin[group + 1]; ++i)
             add(i, n);
     }
-    const double all = static_cast<double>(kinds_per_light()) * static_cast<double>(scene.lights().size());
-    if (surfaces_.empty() || all > static_cast<double>(most_kinds)) return;
-    const auto transmits = [&](const Surface& s) { return scene.material_of_shape(s.shape).traits().transmission; };
-    const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
-    guess_.resize(static_cast<std::size_t>(all));
-    for (std::size_t k = 0; k < guess_.size(); ++k) {
-        const Kind kind = kind_of(k);
-        const Light& light = scene.lights()[kind.light];
-        const std::uint32_t bits = kind.events.transmits;
-        const bool is_possible = kind.events.length > 0 && !is_environment(light) && power_of(light).maxCoeff() > 0 &&
-                                 (bits == 0 || any_transmits) &&
-                                 ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
-        guess_[k] = is_possible ? std::exp2(-kind.events.length) : 0.;
+    const std::size_t lights = scene.lights().size();
+    if (surfaces_.empty() || kinds() * lights > most_kinds) return;
+    std::vector<double> of_lights(lights), of_kinds;
+    for (std::size_t light = 0; light < lights; ++light) {
+        const std::vector<double> guessed = guess(light);
+        of_lights[light] = std::any_of(guessed.begin(), guessed.end(), [](double w) { return w > 0; });
+        for (std::size_t place = 0; place < places(); ++place)
+            of_kinds.insert(of_kinds.end(), guessed.begin(), guessed.end());
     }
-    weigh(1, guess_);
+    weigh(1, of_lights, of_kinds);
+}
+
+std::vector<double> ChainSampler::guess(std::size_t light) const {
+    const auto transmits = [&](const Surface& s) { return scene_.material_of_shape(s.shape).traits().transmission; };
+    const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
+    const Light& of = scene_.lights()[light];
+    std::vector<double> weights(kinds(), 0.);
+    if (is_environment(of) || !(power_of(of).maxCoeff() > 0)) return weights;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        const Kind kind = kind_of(k);
+        const std::uint32_t bits = kind.events.transmits;
+        const bool is_possible = kind.events.length > 0 && (bits == 0 || any_transmits) &&
+                                 ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
+        if (is_possible) weights[k] = std::exp2(-kind.events.length);
+    }
+    return weights;
 }
 
 /// The events of length l with the bits b have the number 2^l + b among those of a surface.
 std::size_t ChainSampler::number_of(const Kind& kind) const {
-    return kind.light * kinds_per_light() + kind.surface * kinds_per_surface() +
-           ((std::size_t{1} << kind.events.length) | kind.events.transmits);
+    return kind.surface * kinds_per_surface() + ((std::size_t{1} << kind.events.length) | kind.events.transmits);
 }
 
 ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
     const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
     const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
-    return {light_of(number), number / kinds_per_surface() % surfaces_.size(), {length, events & ((1u << length) - 1)}};
+    return {number / kinds_per_surface(), {length, events & ((1u << length) - 1)}};
 }
 
-void ChainSampler::weigh(double samples, const std::vector<double>& weights) {
+void ChainSampler::weigh(double samples, const std::vector<double>& lights, const std::vector<double>& kinds) {
     samples_ = samples;
-    choice_ = DiscreteDistribution(weights);
-    std::fill(is_made_.begin(), is_made_.end(), false);
-    for (std::size_t k = 0; k < weights.size(); ++k)
-        if (weights[k] > 0) is_made_[light_of(k)] = true;
+    lights_ = DiscreteDistribution(lights);
+    kinds_.clear();
+    for (auto begin = kinds.begin(); begin != kinds.end(); begin += static_cast<std::ptrdiff_t>(this->kinds()))
+        kinds_.emplace_back(std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(this->kinds())));
+}
+
+std::size_t ChainSampler::find_surface(std::uint32_t shape, std::uint32_t instance) const {
+    const auto is_it = [&](const Surface& s) { return s.shape == shape && s.instance == instance; };
+    return static_cast<std::size_t>(std::find_if(surfaces_.begin(), surfaces_.end(), is_it) - surfaces_.begin());
+}
+
+std::optional<ChainSampler::Kind> ChainSampler::straight_kind(RayQueries& rays, const SurfaceHit& x,
+                                                              const ChainEnd& end) const {
+    const Vec3 d = direction_to(end, x.p);
+    if (!(d.squaredNorm() > 0.5f)) return std::nullopt;
+    const float length = end.at_infinity ? std::numeric_limits<float>::infinity() : (end.p - x.p).norm();
+    std::size_t first = surfaces_.size();
+    int vertices = 0;
+    for (Ray ray = x.spawn_ray(d);;) {
+        const auto hit = rays.intersect(ray);
+        if (!hit || (hit->p - x.p).norm() >= length * (1 - 1e-4f)) break;
+        if (makes_chains(*hit)) {
+            if (!hit->bsdf->traits().transmission || ++vertices > longest_) return std::nullopt;
+            if (vertices == 1) first = find_surface(hit->shape, hit->instance);
+        } else if (is_black(hit->straight_on(d))) {
+            return std::nullopt;
+        }
+        ray = hit->spawn_ray(d);
+    }
+    if (first == surfaces_.size()) return std::nullopt;
+    return Kind{first, {vertices, (1u << vertices) - 1}};
+}
+
+/// Surfaces from most_places - 2 on share a table; places() - 1 is none.
+std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>& straight) const {
+    return light * places() + (straight ? std::min(straight->surface, places() - 2) : places() - 1);
+}
+
+std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local,
+                                        const Kind& kind, const ChainEnd& end, const Vec3& w) const {
+    if (!may_receive(start.hit, wo_local, w)) return std::nullopt;
+    auto chain = find_chain(rays, start, w, kind.events, end);
+    const Surface& surface = surfaces_[kind.surface];
+    if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
+    return chain;
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -120,104 +181,160 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
                        .target = shadow_ray_target(y, chain.last->p)};
 }
 
-/// The densities over directions at x [1/sr], without the number of trials, with which chains and hits make the path;
-/// for delta lights those over lights.
-ChainSampler::Densities ChainSampler::densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain,
-                                                const ChainEnd& end, const LightSample& light, std::size_t kind) const {
-    const double q = samples_ * double{choice_.probability(kind)};
-    const Vec3 wi_local = start.hit.shading.to_local(chain.w);
-    return {q * double{light.pdf_w} * determinant_of(chain, end),
-            light.delta ? 0. : double{start.hit.bsdf->pdf_w_local(wo_local, wi_local) * chain.probability}};
-}
+namespace {
+
+/// Densities over directions at x [1/sr] with which chains of q = 1 and one trial, and hits, make a path; for delta lights
+/// over lights.
+struct Densities {
+    double chains, hits;
+
+    Densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain, const ChainEnd& end,
+              const LightSample& light)
+        : chains(double{light.pdf_w} * determinant_of(chain, end)),
+          hits(light.delta ? 0.
+                           : double{start.hit.bsdf->pdf_w_local(wo_local, start.hit.shading.to_local(chain.w)) *
+                                    chain.probability}) {}
+    bool prefer_chains(double q) const { return q * chains > ChainSampler::least_advantage * hits; }
+};
+
+}  // namespace
 
 bool ChainSampler::makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
                          const ChainEvents& events, const SurfaceHit& y) const {
-    if (!is_made_[y.light] || events.length < 1 || events.length > longest_) return false;
+    if (!(lights_.probability(y.light) > 0.f) || events.length < 1 || events.length > longest_) return false;
     const auto chain = trace_chain(rays, start, w, events);
     if (!chain) return false;
     const auto light = light_at(*chain, y.light, y);
-    const auto surface = std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
-        return s.shape == chain->shape && s.instance == chain->instance;
-    });
-    if (!light || surface == surfaces_.end()) return false;
-    const std::size_t kind = number_of({y.light, static_cast<std::size_t>(surface - surfaces_.begin()), events});
-    const Densities by = densities(start, wo_local, *chain, {y.p, false}, *light, kind);
-    return by.prefer_chains();
+    const std::size_t surface = find_surface(chain->shape, chain->instance);
+    if (!light || surface == surfaces_.size()) return false;
+    const ChainEnd end{y.p, false};
+    const Kind kind{surface, events};
+    const auto straight = straight_kind(rays, start.hit, end);
+    const auto first =
+        straight ? find(rays, start, wo_local, *straight, end, direction_to(end, start.hit.p)) : std::nullopt;
+    double q = samples_ * double{lights_.probability(y.light)};
+    if (!(first && straight == kind && is_same(*first, *chain)))
+        q *= (first ? further_searches : 1) * double{kinds_[table_of(y.light, straight)].probability(number_of(kind))};
+    return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
 
-std::optional<ChainSampler::Sample> ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local,
-                                                         int longest, ChainCounts& counts) const {
-    NumberStream& u = walk.flights;
-    const auto choice = choice_.sample(u.next());
-    const Kind kind = kind_of(choice.index);
-    const Surface& surface = surfaces_[kind.surface];
-    if (kind.events.length > longest) return std::nullopt;
-    ChainStart start{hit, walk.at.medium, walk.at.stratum};
-    const bool splits = scene_.has_dispersion() && !start.stratum;
-    if (splits) start.stratum = static_cast<int>(wavelength_strata * u.next());
-    SurfaceGeometry y{};
-    if (const auto* lamp = std::get_if<AreaLight>(&scene_.lights()[kind.light])) {
-        const float first = u.next(), second = u.next();
-        y = lamp->surface.sample_geometry(scene_.shapes()[lamp->shape], {first, second});
+/// The chains from a hit to a point of a light.
+class ChainSampler::Search {
+public:
+    Search(const ChainSampler& chains, PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, std::size_t light)
+        : chains_(chains),
+          walk_(walk),
+          wo_local_(wo_local),
+          light_(static_cast<std::uint32_t>(light)),
+          start_{hit, walk.at.medium, walk.at.stratum} {
+        const Scene& scene = chains.scene_;
+        NumberStream& u = walk.flights;
+        if (const auto* lamp = std::get_if<AreaLight>(&scene.lights()[light])) {
+            const float first = u.next(), second = u.next();
+            y_ = lamp->surface.sample_geometry(scene.shapes()[lamp->shape], {first, second});
+        }
+        end_ = end_on(scene.lights()[light], y_);
+        splits_ = scene.has_dispersion() && !start_.stratum;
+        if (splits_) start_.stratum = static_cast<int>(wavelength_strata * u.next());
+        straight_ = chains.straight_kind(walk.rays, hit, end_);
     }
-    const ChainEnd end = end_on(scene_.lights()[kind.light], y);
-    const float side = hit.bsdf->traits().transmission ? 0.f : hit.shading.n.dot(hit.shading.to_world(wo_local));
-    const Vec3 straight = end.at_infinity ? end.p : Vec3(end.p - hit.p).normalized();
-    const bool may_be_ahead = kind.events.transmits_at(0) && straight.squaredNorm() > 0.5f;
-    const auto ahead = may_be_ahead ? walk.rays.intersect(hit.spawn_ray(straight)) : std::nullopt;
-    const bool is_ahead = ahead && ahead->shape == surface.shape && ahead->instance == surface.instance;
-    std::uint64_t trials = 0;
-    const auto find = [&]() -> std::optional<Chain> {
-        ++trials;
-        const auto is_seen = [&](const Vec3& w) {
-            return w.squaredNorm() > 0.5f && w.dot(hit.shading.n) * side >= 0.f;
-        };
-        Vec3 w = straight;
-        const bool goes_straight = is_ahead && is_seen(w) && u.next() < straight_share;
+
+    const std::optional<Kind>& straight() const { return straight_; }
+    std::uint64_t trials() const { return trials_; }
+
+    /// The chain that the straight line leads to.
+    std::optional<Chain> find_straight() { return find_from(*straight_, direction_to(end_, start_.hit.p)); }
+    std::optional<Chain> find_by_seed(const Kind& kind) {
+        Vec3 w = Vec3::Zero();
         // Points below the horizon of x are drawn again.
-        for (int i = 0; !goes_straight && (i == 0 || (i < most_redraws && !is_seen(w))); ++i)
-            w = (seed_point(surface, u) - hit.p).normalized();
-        if (!is_seen(w)) return std::nullopt;
-        auto chain = find_chain(walk.rays, start, w, kind.events, end);
-        if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
-        return chain;
-    };
-    const auto chain = find();
-    counts.trials.fetch_add(trials, std::memory_order_relaxed);
-    if (!chain) return std::nullopt;
-    const auto light = light_at(*chain, kind.light, y);
-    LobeValues f = scattered(hit, wo_local, chain->w);
-    if (!light || is_black(light->Le) || is_black(f.sum())) return std::nullopt;
-    const Densities by = densities(start, wo_local, *chain, end, *light, choice.index);
-    if (!by.prefer_chains()) return std::nullopt;
+        for (int i = 0; i == 0 || (i < most_redraws && !may_receive(start_.hit, wo_local_, w)); ++i)
+            w = (chains_.seed_point(chains_.surfaces_[kind.surface], walk_.flights) - start_.hit.p).normalized();
+        return find_from(kind, w);
+    }
 
-    Color arriving = light->Le / static_cast<float>(by.chains);
-    if (scene_.has_media()) {
-        const auto whole = trace_chain(walk.rays, start, chain->w, kind.events, &u);
-        if (!whole) return std::nullopt;
-        arriving *=
-            whole->weight * walk.rays.transmittance(offset_origin(*chain->last, light->wi), whole->medium, *light, u);
-    } else {
-        arriving *= chain->weight * walk.rays.visibility(*chain->last, *light);
+    /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light.
+    template <typename NumberOf>
+    std::optional<Found> light_of(const Chain& chain, const Kind& kind, std::size_t number, double q, NumberOf&& n_of) {
+        const auto seen = chains_.light_at(chain, light_, y_);
+        LobeValues f = scattered(start_.hit, wo_local_, chain.w);
+        if (!seen || is_black(seen->Le) || is_black(f.sum())) return std::nullopt;
+        const Densities densities(start_, wo_local_, chain, end_, *seen);
+        if (!densities.prefer_chains(q)) return std::nullopt;
+        const Color arriving = seen->Le * transmitted(chain, *seen, kind.events);
+        if (is_black(arriving)) return std::nullopt;
+        const double n = n_of(), density = q * densities.chains / n;
+        f.diffuse *= arriving / static_cast<float>(density);
+        f.specular *= arriving / static_cast<float>(density);
+        const double hits = densities.hits > 0 ? sqr(double{luminance(f.sum())}) * density / densities.hits : 0.;
+        return Found{f, number, q, hits};
     }
-    if (splits && chain->is_split) arriving *= stratum_weight(*start.stratum);
-    if (is_black(arriving)) return std::nullopt;
 
-    counts.chains.fetch_add(1, std::memory_order_relaxed);
-    trials = 0;
-    while (trials < most_trials) {
-        const auto again = find();
-        if (again && is_same(*again, *chain)) break;
+private:
+    std::optional<Chain> find_from(const Kind& kind, const Vec3& w) {
+        ++trials_;
+        return chains_.find(walk_.rays, start_, wo_local_, kind, end_, w);
     }
-    counts.trials.fetch_add(trials, std::memory_order_relaxed);
-    if (trials == most_trials) {
-        counts.lost.fetch_add(1, std::memory_order_relaxed);
-        arriving *= std::numeric_limits<float>::quiet_NaN();
+
+    /// Weight of the whole chain, from the light to x.
+    Color transmitted(const Chain& chain, const LightSample& seen, const ChainEvents& events) {
+        Color weight = Color::Ones();
+        if (chains_.scene_.has_media()) {
+            const auto whole = trace_chain(walk_.rays, start_, chain.w, events, &walk_.flights);
+            if (!whole) return Color::Zero();
+            const Vec3 from = offset_origin(*chain.last, seen.wi);
+            weight = whole->weight * walk_.rays.transmittance(from, whole->medium, seen, walk_.flights);
+        } else {
+            weight = chain.weight * walk_.rays.visibility(*chain.last, seen);
+        }
+        return splits_ && chain.is_split ? Color(weight * stratum_weight(*start_.stratum)) : weight;
     }
-    f.diffuse *= arriving * static_cast<float>(trials);
-    f.specular *= arriving * static_cast<float>(trials);
-    return Sample{f, choice.index, static_cast<float>(samples_) * choice.probability,
-                  static_cast<float>(by.hits / by.chains * static_cast<double>(trials))};
+
+    const ChainSampler& chains_;
+    PathWalk& walk_;
+    Vec3 wo_local_;
+    std::uint32_t light_;
+    ChainStart start_;
+    SurfaceGeometry y_ = {};
+    ChainEnd end_ = {};
+    bool splits_;
+    std::optional<Kind> straight_;
+    std::uint64_t trials_ = 0;
+};
+
+ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
+                                          ChainCounts& counts) const {
+    NumberStream& u = walk.flights;
+    const auto light = lights_.sample(u.next());
+    const double q = samples_ * double{light.probability};
+    Search search(*this, walk, hit, wo_local, light.index);
+    const std::optional<Kind>& straight = search.straight();
+    Sample sample;
+    std::optional<Chain> first;
+    if (straight) {
+        first = search.find_straight();
+        if (first && straight->events.length <= longest)
+            sample[0] = search.light_of(*first, *straight, number_of_straight(light.index), q, [] { return 1.; });
+    }
+    const std::size_t table = table_of(light.index, straight);
+    const double searches = first ? further_searches : 1;
+    if (double{u.next()} < searches && kinds_[table].total() > 0) {
+        const auto choice = kinds_[table].sample(light.u);
+        const Kind kind = kind_of(choice.index);
+        const auto other = kind.events.length <= longest ? search.find_by_seed(kind) : std::nullopt;
+        if (other && !(first && *straight == kind && is_same(*other, *first)))
+            sample[1] = search.light_of(*other, kind, table * kinds() + choice.index,
+                                        q * searches * double{choice.probability}, [&] {
+                                            for (std::uint32_t n = 1; n <= most_trials; ++n) {
+                                                const auto again = search.find_by_seed(kind);
+                                                if (again && is_same(*again, *other)) return static_cast<double>(n);
+                                            }
+                                            counts.lost.fetch_add(1, std::memory_order_relaxed);
+                                            return std::numeric_limits<double>::quiet_NaN();
+                                        });
+    }
+    counts.trials.fetch_add(search.trials(), std::memory_order_relaxed);
+    counts.chains.fetch_add((sample[0] ? 1u : 0u) + (sample[1] ? 1u : 0u), std::memory_order_relaxed);
+    return sample;
 }
 
 }  // namespace gib

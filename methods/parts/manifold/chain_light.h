@@ -3,33 +3,38 @@
 // Zeltner, Georgiev and Jakob 2020, "Specular Manifold Sampling for Rendering High-Frequency Caustics and Glints",
 // section 4.
 //
-// A sample at x draws the kind of a chain: a light, the shape of x_1, and the events (reflection, transmission) of 1 to
-// `longest` vertices, with the probability q (times the mean number of samples, where there are more or fewer than one); then a point
-// y of the light. A seed is a uniform point of the shape:
-// Newton's method starts from the direction of the ray from x to there, or often from that to y, if the shape lies
-// there. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one does; their
-// number n has the mean 1 / p (Zeltner 2020, section 4.3), and
+// A sample at x draws a light and a point y of it, with the probability q (times the mean number of samples, where there
+// are more or fewer than one). Newton's method starts from a direction at x, and leads to one chain or to none.
+// 1. If the straight line from x to y crosses smooth surfaces that transmit, and nothing else, a chain of as many
+//    transmissions is sought from the direction of y (Hanika 2015). Nothing is random in this: the probability is 1.
+// 2. With the probability r, 1 if there is no such chain, others are sought. The kind of the chain is drawn with a
+//    probability q_k that knows the surface ahead: the shape of x_1, and the events (reflection, transmission) of 1 to
+//    `longest` vertices. The start is a seed, the ray from x to a uniform point of the shape. A set of seeds of unknown
+//    probability p leads to the same chain. New seeds are drawn until one does; their number n has the mean 1 / p (Zeltner
+//    2020, section 4.3). A chain that the straight line leads to counts only there.
+// With n = 1 for the first chain and n / (r q_k) for another,
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
-// is an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a sample
-// of y would bring to x_k: Le cos_y / (pdf_a r^2).
+// sums to an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a
+// sample of y would bring to x_k: Le cos_y / (pdf_a r^2).
 //
 // Samples of the bsdf hit lamps too. Their density over directions at x is pdf_w(w) P, with the probability P of the
-// chain's lobes; that of chains is q pdf_w(y) |det M| / n. The larger of the two, with a constant for n, makes the path
+// chain's lobes; that of chains is q pdf_w(y) |det M| / n, with r q_k for kinds but the straight one. The larger of the two, with a constant for n, makes the path
 // (Veach 1997, section 9.2, the maximum heuristic): it depends on the path alone, so that each path is made once.
 // Without it the light of a chain near a focus, where det M is 0, had no bound. The number n has no bound but
-// `most_trials`, where the sample counts as lost and is not finite, so that it is dropped and told.
+// `most_trials`, where the sample counts as lost and is not finite, so that it is dropped and counted.
 
 #include "methods/parts/manifold/specular_chain.h"
 #include "methods/parts/transport/path_walk.h"
 
+#include <array>
 #include <atomic>
 
 namespace gib {
 
 /// Counts of a run, over all threads.
 struct ChainCounts {
-    std::atomic<std::uint64_t> chains = 0;  ///< found
-    std::atomic<std::uint64_t> trials = 0;  ///< seeds, the first ones included
+    std::atomic<std::uint64_t> chains = 0;  ///< that brought light
+    std::atomic<std::uint64_t> trials = 0;  ///< starts of Newton's method
     std::atomic<std::uint64_t> lost = 0;    ///< chains that most_trials did not find again
 };
 
@@ -40,6 +45,8 @@ public:
     /// Where lamps can be hit, chains make a path only if they are denser by this factor. The number of trials is
     /// larger than 1 and varies.
     static constexpr double least_advantage = 4;
+    /// r: probability of a search for other chains where the straight line has led to one.
+    static constexpr double further_searches = 0.1;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
@@ -47,28 +54,36 @@ public:
     /// this.
     ChainSampler(const Scene& scene, int longest);
 
-    /// Kinds are numbered from 0. Those that no chain has are never drawn.
-    std::size_t kinds() const { return guess_.size(); }
-    std::uint32_t light_of(std::size_t kind) const { return static_cast<std::uint32_t>(kind / kinds_per_light()); }
-    /// The probabilities of kinds at the start, up to a factor.
-    const std::vector<double>& guess() const { return guess_; }
-    /// Sets the mean number of samples at a point, and the probabilities of kinds in proportion to `weights`. Lights
-    /// without any weight are left to other samples.
-    void weigh(double samples, const std::vector<double>& weights);
+    /// Kinds given what lies ahead are numbered from 0, those of one light and one surface ahead after each other.
+    std::size_t size() const { return scene_.lights().size() * places() * kinds(); }
+    /// Kinds of one light.
+    std::size_t kinds() const { return surfaces_.size() * kinds_per_surface(); }
+    /// What may lie ahead: one of the first surfaces, another one, or none.
+    std::size_t places() const { return std::min(surfaces_.size(), most_places - 1) + 1; }
+    /// Probabilities of the kinds of a light at the start, up to a factor.
+    std::vector<double> guess(std::size_t light) const;
+    /// Sets the mean number of samples at a point, and the probabilities of lights, and of kinds given what lies ahead, in
+    /// proportion to the weights. Lights without weight are left to other samples.
+    void weigh(double samples, const std::vector<double>& lights, const std::vector<double>& kinds);
     double samples() const { return samples_; }
     /// Whether any kind can be drawn.
-    bool empty() const { return !(choice_.size() > 0 && choice_.total() > 0); }
+    bool empty() const { return !(lights_.size() > 0 && lights_.total() > 0); }
 
-    struct Sample {
-        LobeValues light;  ///< radiance [W/(sr m^2)] that the hit scatters
-        std::size_t kind;
-        float q;           ///< mean number of samples of the kind at a point
-        float hit_moment;  ///< light^2 / hit_moment has the mean that light^2 has if samples of the bsdf hit the light
+    /// The number, among those of the kinds, of the chains that straight lines lead to.
+    std::size_t number_of_straight(std::size_t light) const { return size() + light; }
+
+    struct Found {
+        LobeValues light;    ///< radiance [W/(sr m^2)] that the hit scatters
+        std::size_t number;  ///< of the kind, given what lies ahead
+        double q;            ///< mean number of samples of the light and the kind at a point
+        double
+            hits;  ///< has the mean that luminance^2 of `light` has if samples of the bsdf hit the lamp; 0: they cannot
     };
+    /// By the straight line, and by a seed.
+    using Sample = std::array<std::optional<Found>, 2>;
     /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices
-    /// that this makes, divided by samples(). Empty if it found none.
-    std::optional<Sample> sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest,
-                                 ChainCounts& counts) const;
+    /// that this makes, divided by samples().
+    Sample sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest, ChainCounts& counts) const;
 
     /// Whether this makes the chain from the start, which scatters light from w to wo, to the emitter at y.
     bool makes(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Vec3& w,
@@ -79,31 +94,35 @@ private:
         std::uint32_t shape, instance;
     };
     struct Kind {
-        std::uint32_t light;
         std::size_t surface;
         ChainEvents events;
+
+        bool operator==(const Kind&) const = default;
     };
+    static constexpr std::size_t most_places = 16;
     std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
-    std::size_t kinds_per_light() const { return surfaces_.size() * kinds_per_surface(); }
     std::size_t number_of(const Kind& kind) const;
     Kind kind_of(std::size_t number) const;
+    /// The number of a surface, or of surfaces if it is none.
+    std::size_t find_surface(std::uint32_t shape, std::uint32_t instance) const;
+    /// The transmissions along the straight line to the end; none if something else lies there, or too many do.
+    std::optional<Kind> straight_kind(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const;
+    /// The kinds' distribution of a light, given the straight kind.
+    std::size_t table_of(std::size_t light, const std::optional<Kind>& straight) const;
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;
-    struct Densities {
-        double chains, hits;
-        bool prefer_chains() const { return chains > least_advantage * hits; }
-    };
-    Densities densities(const ChainStart& start, const Vec3& wo_local, const Chain& chain, const ChainEnd& end,
-                        const LightSample& light, std::size_t kind) const;
+    /// The chain of this kind that Newton's method finds from w, if x may receive light from there.
+    std::optional<Chain> find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Kind& kind,
+                              const ChainEnd& end, const Vec3& w) const;
+    class Search;
 
     const Scene& scene_;
     int longest_;
     std::vector<Surface> surfaces_;
     std::vector<std::optional<AreaSampler>> area_;  ///< by shape
-    std::vector<double> guess_;
     double samples_ = 1;
-    DiscreteDistribution choice_;
-    std::vector<bool> is_made_;  ///< by light
+    DiscreteDistribution lights_;
+    std::vector<DiscreteDistribution> kinds_;  ///< by light and by what lies ahead
 };
 
 }  // namespace gib

@@ -29,6 +29,7 @@ struct ChainEvents {
     int length;
     std::uint32_t transmits;
 
+    bool operator==(const ChainEvents&) const = default;
     bool transmits_at(int vertex) const { return ((transmits >> vertex) & 1u) != 0; }
 };
 

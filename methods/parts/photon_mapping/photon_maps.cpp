@@ -36,11 +36,11 @@ void add_aim(Plan& plan, std::string_view aim, std::string_view map, bool is_bou
 }
 
 /// The projection map; null if the plan does not run it, or if it drops no emission.
-std::unique_ptr<ProjectionMap> build_aim(const Plan& plan, std::string_view aim, const Scene& scene,
+std::unique_ptr<AimedEmission> build_aim(const Plan& plan, std::string_view aim, const Scene& scene,
                                          TargetSurfaces surfaces, std::uint64_t photons) {
     if (!plan.runs(aim)) return nullptr;
     const std::uint64_t bins = std::clamp(photons / photons_per_bin, fewest_bins, most_bins);
-    auto map = std::make_unique<ProjectionMap>(scene, surfaces, bins);
+    auto map = AimedEmission::at_surfaces(scene, surfaces, bins);
     return map->aims() ? std::move(map) : nullptr;
 }
 
@@ -108,7 +108,7 @@ Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& s
             build_aim(plan, step_global_aim, scene, TargetSurfaces::all, settings.photons)};
 }
 
-PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim,
+PhotonWalkResult PhotonTracing::trace(PhotonMapKind kind, std::uint64_t count, const AimedEmission* aim,
                                       std::uint64_t seed) {
     constexpr std::string_view stage = "photon tracing";
     const auto timer = stages_.time(stage);
@@ -126,7 +126,7 @@ PhotonMap PhotonTracing::map_of(const PhotonWalkResult& walk) {
 }
 
 LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii,
-                                               bool estimates_bias, const ProjectionMap* aim, std::uint64_t seed) {
+                                               bool estimates_bias, const AimedEmission* aim, std::uint64_t seed) {
     const bool beams = settings.volume_look_up == VolumeLookUp::beams;
     PhotonWalkResult walk =
         trace(beams ? PhotonMapKind::beams : PhotonMapKind::media, settings.volume_photons, aim, seed);
@@ -137,7 +137,7 @@ LightAlongRays PhotonTracing::light_along_rays(const PhotonMapSettings& settings
 }
 
 double PhotonTracing::radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
-                                        const ProjectionMap* aim, std::uint64_t seed) {
+                                        const AimedEmission* aim, std::uint64_t seed) {
     if (settings.volume_radius > 0) return settings.volume_radius * double{scene_.diagonal()};
     PhotonMapSettings pilot = settings;
     pilot.volume_photons = pilot_paths(settings.volume_photons);

@@ -4,7 +4,7 @@
 
 #include "methods/method.h"
 #include "methods/parts/density/radius_along_rays.h"
-#include "methods/parts/emission/projection_map.h"
+#include "methods/parts/emission/aimed_emission.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "methods/parts/stored_light/stored_light.h"
@@ -56,7 +56,7 @@ void add_aims(Plan& plan, const Scene& scene, const PhotonMapSettings& settings)
 
 /// The projection maps that aim the photons of each map; null where photons leave the lights in all directions.
 struct Aims {
-    std::unique_ptr<ProjectionMap> caustic, global;
+    std::unique_ptr<AimedEmission> caustic, global;
 };
 /// Builds the projection maps that the plan runs and keeps those that drop emission.
 Aims build_aims(const Plan& plan, const Scene& scene, const PhotonMapSettings& settings, StageTimes& stages);
@@ -71,18 +71,18 @@ public:
     void follow(std::shared_ptr<const LightPolicy> policy) { policy_ = std::move(policy); }
 
     /// Emits `count` photons for a map of this kind. `aim` may be null.
-    PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed);
+    PhotonWalkResult trace(PhotonMapKind kind, std::uint64_t count, const AimedEmission* aim, std::uint64_t seed);
     PhotonMap map_of(const PhotonWalkResult& walk);
-    PhotonMap traced_map(PhotonMapKind kind, std::uint64_t count, const ProjectionMap* aim, std::uint64_t seed) {
+    PhotonMap traced_map(PhotonMapKind kind, std::uint64_t count, const AimedEmission* aim, std::uint64_t seed) {
         return map_of(trace(kind, count, aim, seed));
     }
     /// The light in media of `settings.volume_photons` photons, for look-ups along rays with these radii.
     LightAlongRays light_along_rays(const PhotonMapSettings& settings, const BlurRadii& radii, bool estimates_bias,
-                                    const ProjectionMap* aim, std::uint64_t seed);
+                                    const AimedEmission* aim, std::uint64_t seed);
     /// The radius of these look-ups [scene units]: that of the settings, or else the one that radius_along_rays() finds for
     /// one map, or for the first of many whose radius `shrinks`.
     double radius_along_rays(const PhotonMapSettings& settings, const WalkSettings& walk, bool shrinks,
-                             const ProjectionMap* aim, std::uint64_t seed);
+                             const AimedEmission* aim, std::uint64_t seed);
 
     std::uint64_t photons() const { return photons_; }
     std::uint64_t rays() const { return rays_; }

@@ -181,7 +181,7 @@ void emit_by_policy(RayQueries& rays, const LightEmission& emission, std::uint64
 /// the map are neighbours in space, so a photon finds in the processor's cache what the previous one read, and the
 /// first rays are traced as packets.
 template <typename Visit>
-void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, std::size_t begin, std::size_t end,
+void emit_aimed(RayQueries& rays, const AimedEmission& aim, std::uint64_t key, std::size_t begin, std::size_t end,
                 const Visit& visit) {
     std::vector<std::pair<std::uint32_t, std::size_t>> order;
     order.reserve(end - begin);
@@ -210,7 +210,7 @@ void emit_aimed(RayQueries& rays, const ProjectionMap& aim, std::uint64_t key, s
 }  // namespace
 
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, const ProjectionMap* aim, StageProgress* progress, RayLog* log,
+                               std::uint64_t seed, const AimedEmission* aim, StageProgress* progress, RayLog* log,
                                const LightPolicy* policy) {
     PhotonWalkResult result;
     result.emitted = count;

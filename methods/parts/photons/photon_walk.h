@@ -14,7 +14,7 @@
 namespace gib {
 
 class LightPolicy;
-class ProjectionMap;
+class AimedEmission;
 struct RayLog;
 class Scene;
 class StageProgress;
@@ -53,7 +53,7 @@ struct PhotonWalkResult {
 /// integral of the fluence over it [unit x scene unit], also where the medium thins out (a collision estimator:
 /// Spanier and Gelbard 1969, section 2.7).
 PhotonWalkResult trace_photons(const Scene& scene, PhotonMapKind kind, std::uint64_t count, int max_edges,
-                               std::uint64_t seed, const ProjectionMap* aim = nullptr,
+                               std::uint64_t seed, const AimedEmission* aim = nullptr,
                                StageProgress* progress = nullptr, RayLog* log = nullptr,
                                const LightPolicy* policy = nullptr);
 

@@ -20,10 +20,10 @@ void add_joined_paths(Plan& plan, const Scene& scene, const PathRules& rules) {
                             : "connections are turned off");
 }
 
-std::unique_ptr<Run> start_joined_paths(const Scene& scene, const PathRules& rules, bool shows_techniques,
-                                        const Plan& plan, const ShownComponents& shown, std::uint64_t seed,
-                                        StageTimes& stages) {
-    return std::make_unique<JoinedPathsRun<NoMerging>>(scene, rules, shows_techniques, plan, shown, seed, stages,
+std::unique_ptr<Run> start_joined_paths(const Scene& scene, const PathRules& rules,
+                                        const MakeTechniqueImages& make_techniques, const Plan& plan,
+                                        const ShownComponents& shown, std::uint64_t seed, StageTimes& stages) {
+    return std::make_unique<JoinedPathsRun<NoMerging>>(scene, rules, make_techniques, plan, shown, seed, stages,
                                                        [](const LightPaths&) { return NoMerging(); });
 }
 

@@ -11,13 +11,15 @@
 
 namespace gib {
 
+using MakeTechniqueImages = std::function<std::unique_ptr<TechniqueImages>(const LightPaths&)>;
+
 template <typename Merging>
 class JoinedPathsRun final : public Run {
 public:
-    /// `make_merging(paths)` returns the run's Merging.
+    /// `make_merging(paths)` returns the run's Merging; `make_techniques` may be empty.
     template <typename MakeMerging>
-    JoinedPathsRun(const Scene& scene, const PathRules& rules, bool shows_techniques, const Plan& plan,
-                   const ShownComponents& shown, std::uint64_t seed, StageTimes& stages,
+    JoinedPathsRun(const Scene& scene, const PathRules& rules, const MakeTechniqueImages& make_techniques,
+                   const Plan& plan, const ShownComponents& shown, std::uint64_t seed, StageTimes& stages,
                    const MakeMerging& make_merging)
         : scene_(scene),
           stages_(stages),
@@ -30,9 +32,9 @@ public:
           pass_{seed} {
         joined_.rules.light_sampling &= plan.runs(step_light_sampling);
         if (!rules.connects || rules.max_edges < 3) joined_.rules.shared_paths = 1;
-        if (!shows_techniques) return;
-        pyramid_ = std::make_unique<TechniquePyramid>(width(), height(), paths_.sum_unit / paths_.count);
-        joined_.pyramid = pyramid_.get();
+        if (!make_techniques) return;
+        techniques_ = make_techniques(paths_);
+        joined_.techniques = techniques_.get();
     }
 
     Progress advance(std::uint32_t pass) override {
@@ -49,7 +51,7 @@ public:
     ComponentImages image() const override {
         ComponentImages images = film_.mean(passes_);
         splats_.add_mean(paths_.count * passes_, images);
-        if (pyramid_) images.techniques = pyramid_->images(passes_);
+        if (techniques_) images.techniques = techniques_->images(passes_);
         return images;
     }
     RunCounts counts() const override {
@@ -96,7 +98,7 @@ private:
     SplatFilm splats_;
     JoinedPaths<Merging> joined_;
     Pass pass_;
-    std::unique_ptr<TechniquePyramid> pyramid_;
+    std::unique_ptr<TechniqueImages> techniques_;
     std::uint32_t passes_ = 0;
 };
 
@@ -108,9 +110,9 @@ std::size_t shared_paths_of(const ParameterValues& values);
 /// Adds the steps of light paths, eye paths, light sampling and connections.
 void add_joined_paths(Plan& plan, const Scene& scene, const PathRules& rules);
 
-/// Starts the run without merging, with light sampling, eye paths and aim where `plan` runs them.
-std::unique_ptr<Run> start_joined_paths(const Scene& scene, const PathRules& rules, bool shows_techniques,
-                                        const Plan& plan, const ShownComponents& shown, std::uint64_t seed,
-                                        StageTimes& stages);
+/// Starts the run without merging (see JoinedPathsRun), with light sampling, eye paths and aim where `plan` runs them.
+std::unique_ptr<Run> start_joined_paths(const Scene& scene, const PathRules& rules,
+                                        const MakeTechniqueImages& make_techniques, const Plan& plan,
+                                        const ShownComponents& shown, std::uint64_t seed, StageTimes& stages);
 
 }  // namespace gib

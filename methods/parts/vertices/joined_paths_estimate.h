@@ -7,12 +7,22 @@
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/shared_vertices.h"
-#include "methods/parts/vertices/technique_pyramid.h"
 
 #include <functional>
 #include <optional>
 
 namespace gib {
+
+/// Keeps the paths of each technique apart. Technique (s, t) takes s vertices from a light's walk and t from the camera's.
+class TechniqueImages {
+public:
+    virtual ~TechniqueImages() = default;
+
+    /// Adds a path that technique (s, t) has made; `factor` makes its light that of a sample of the pixel.
+    virtual void add(int s, int t, std::size_t pixel, const Connection& path, double factor) = 0;
+    /// The named means over `count` samples of each pixel [W/(sr m^2)].
+    virtual std::vector<std::pair<std::string, Image>> images(double count) const = 0;
+};
 
 /// The parts of a run that the estimates of all samples share. `Merging` is NoMerging or what a method adds.
 template <typename Merging>
@@ -21,7 +31,7 @@ struct JoinedPaths {
     PathRules rules;
     const SplatFilm& film;  ///< of the light paths that reach the camera
     const Merging& merging;
-    TechniquePyramid* pyramid = nullptr;  ///< null: no images of techniques are kept
+    TechniqueImages* techniques = nullptr;  ///< null: none are kept
 };
 
 /// The estimate of the samples of some pixels in one pass, in groups if they share their light paths.
@@ -85,7 +95,7 @@ private:
     void add(int s, int t, const std::optional<Connection>& path, PixelSample& light) {
         if (!path) return;
         add_weighted(*path, light);
-        if (joined_.pyramid) joined_.pyramid->add(s, t, pixel_, *path, 1);
+        if (joined_.techniques) joined_.techniques->add(s, t, pixel_, *path, 1);
     }
 
     void add_found(const FoundLight& found, PixelSample& light) {
@@ -134,7 +144,7 @@ private:
 
     void splat(const std::optional<Splat>& splat, int s) {
         if (!splat) return;
-        if (joined_.pyramid) joined_.pyramid->add(s, 1, splat->pixel, splat->connection, 1 / joined_.paths.count);
+        if (joined_.techniques) joined_.techniques->add(s, 1, splat->pixel, splat->connection, 1 / joined_.paths.count);
         PixelSample weighted;
         add_weighted(splat->connection, weighted);
         splats_(splat->pixel, weighted);

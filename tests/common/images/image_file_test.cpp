@@ -67,34 +67,6 @@ TEST(ImageFile, ExrKeepsEveryBitEveryLayerAndTheMetadata) {
     }
 }
 
-TEST(ImageFile, TheAttributesOfAnExrFileAreReadWithoutItsPixels) {
-    LayeredImage written;
-    written.layers = {{"", gradient(5, 3)}};
-    written.metadata = {{"scene", "cornell-box"}, {"reference_key", "00ff"}};
-    const TemporaryFolder folder;
-    write_exr(folder / "whole.exr", written);
-    EXPECT_EQ(exr_attributes(folder / "whole.exr"), written.metadata);
-    EXPECT_EQ(exr_attributes(folder / "missing.exr"), std::nullopt);
-    EXPECT_EQ(exr_attributes(folder.write("other.exr", "no image")), std::nullopt);
-}
-
-TEST(ImageFile, ExrReplacesAFileAndLeavesNothingElseBehind) {
-    const TemporaryFolder folder;
-    const std::string path = folder / "image.exr";
-    const auto expect_alone = [&] {
-        EXPECT_EQ(read_image(path).layers[0].second.width, 4);
-        EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 1);
-    };
-    write_exr(path, {{{"", gradient(3, 3)}}, {}});
-    write_exr(path, {{{"", gradient(4, 2)}}, {}});
-    expect_alone();
-    // A folder stands where the file should go.
-    EXPECT_THROW(write_exr(folder / "", {{{"", gradient(3, 3)}}, {}}), RunError);
-    EXPECT_THROW(write_exr(folder / "none/image.exr", {{{"", gradient(3, 3)}}, {}}), RunError);
-    EXPECT_THROW(write_exr(path, {{{"", gradient(3, 3)}, {"a", gradient(2, 3)}}, {}}), RunError);
-    expect_alone();
-}
-
 TEST(ImageFile, PfmHasItsLastRowFirstInTheFileAndRowZeroOnTopInMemory) {
     const Image image = gradient(4, 3);
     const TemporaryFolder folder;
@@ -176,28 +148,6 @@ TEST(ImageFile, WrongFilesAreErrorsWithTheirName) {
           std::pair("unknown.xyz", ""), std::pair("cut.exr", ""), std::pair("cut.pfm", "")})
         EXPECT_THAT(input_error_of([&] { read_image(folder / name); }),
                     AllOf(HasSubstr(folder / name), HasSubstr(message)));
-}
-
-TEST(ImageFile, ComponentsSurviveAsLayers) {
-    ComponentImages image;
-    image.width = 5;
-    image.height = 4;
-    image[Component::direct] = gradient(5, 4);
-    image[Component::caustic] = gradient(5, 4, 2);
-    const TemporaryFolder folder;
-    const std::string path = folder / "components.exr";
-    write_exr(path, layers_of(image));
-    const LayeredImage file = read_image(path);
-    const ComponentImages read = components_in(file);
-    EXPECT_EQ(read.width, 5);
-    EXPECT_EQ(read.height, 4);
-    for (Component c : all_components) {
-        ASSERT_EQ(read[c].has_value(), image[c].has_value()) << name_of(c);
-        if (read[c]) {
-            EXPECT_EQ(read[c]->rgb, image[c]->rgb);
-        }
-    }
-    EXPECT_EQ(file.find("")->rgb, image.total().rgb);
 }
 
 TEST(ImageFile, PngIsEncodedInMemoryWithTheSrgbCurveAndRowZeroOnTop) {

@@ -142,15 +142,6 @@ TEST_F(Bitmaps, HaveAValueForEveryUv) {
         }
 }
 
-TEST_F(Bitmaps, CountACoordinateThatIsNotFiniteAsZero) {
-    const FloatTrapsPaused paused;
-    const BitmapTexture bitmap = texture_of(picture(5, 3, 3));
-    for (const Wrap wrap : every_wrap) {
-        const Texture texture = with(bitmap, TextureFilter::bilinear, wrap);
-        EXPECT_TRUE((texture.color(Vec2{infinity, infinity}) == texture.color(Vec2{0.f, 0.f})).all());
-    }
-}
-
 TEST_F(Bitmaps, StayWithinTheirBoundsWhereRoundingWouldLeaveThem) {
     // All texels are equal, and an interpolation that rounds each product may exceed them.
     const Picture p{2, 2, 3, std::vector<float>(12, 1.f)};
@@ -333,21 +324,6 @@ TEST_F(Bitmaps, HaveTheGradientOfTheirValue) {
         }
 }
 
-TEST_F(Bitmaps, HaveAGradientPerUvThatGrowsWithTheResolution) {
-    // A ramp from 0 to 0.9 over 10 columns: 0.1 a texel, 1 per unit of u.
-    Picture ramp{10, 4, 1, {}};
-    for (int i = 0; i < 40; ++i)
-        ramp.values.push_back(0.1f * static_cast<float>(i % 10));
-    BitmapTexture bitmap = texture_of(ramp);
-    EXPECT_TRUE(Texture(bitmap).has_gradient());
-    EXPECT_TRUE(Texture(bitmap).gradient({0.47f, 0.4f}).isApprox(Vec2(1, 0), 1e-4f));
-    EXPECT_TRUE(with_transform(bitmap, 3 * Eigen::Matrix2f::Identity(), {0, 0})
-                    .gradient({0.15f, 0.1f})
-                    .isApprox(Vec2(3, 0), 1e-4f));
-    bitmap.filter = TextureFilter::nearest;
-    EXPECT_EQ(Texture(bitmap).gradient({0.47f, 0.4f}), Vec2(0, 0));
-}
-
 // Surfaces of any size have the same normals if their bumps scale with them. The product |dp_du| |dp_dv| would leave
 // the range of float.
 TEST_F(Bitmaps, BumpsTiltSurfacesOfAnySize) {
@@ -379,16 +355,6 @@ TEST(Checkerboards, HaveTheirFirstColourOnTheDiagonal) {
     EXPECT_FALSE(board.has_gradient());
     const FloatTrapsPaused paused;
     EXPECT_TRUE(board.color(Vec2{nan, infinity}).allFinite());
-}
-
-TEST(Checkerboards, TransformTheirSquaresAndNotWhatIsInThem) {
-    const Texture inner(CheckerboardTexture{Texture(Color::Constant(1)), Texture(Color::Constant(0)), {}});
-    const UvTransform twice{2 * Eigen::Matrix2f::Identity(), {0, 0}};
-    const Texture board(CheckerboardTexture{inner, Texture(Color::Constant(0.5f)), twice});
-    EXPECT_EQ(board.color(Vec2{0.1f, 0.1f})[0], 1);
-    EXPECT_EQ(board.color(Vec2{0.3f, 0.1f})[0], 0.5f);
-    EXPECT_EQ(board.color(Vec2{0.6f, 0.1f})[0], 0);  // on the outer diagonal, off the inner one
-    EXPECT_EQ(board.mean()[0], 0.5f);
 }
 
 }  // namespace

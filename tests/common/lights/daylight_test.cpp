@@ -68,12 +68,6 @@ TEST(SunPosition, RisesInTheEastAndSetsInTheWest) {
     EXPECT_NEAR(sun_position(at).theta / degree, 90, 1);
 }
 
-TEST(SunPosition, KnowsTheCalendar) {
-    EXPECT_TRUE(is_date({.year = 2012, .month = 2, .day = 29}));
-    EXPECT_FALSE(is_date({.year = 2010, .month = 2, .day = 29}));
-    EXPECT_FALSE(is_date({.month = 4, .day = 31}));
-}
-
 double luminance_of(const Colord& radiance) {
     return (Colord(0.212671, 0.715160, 0.072169) * radiance).sum() * luminance_per_radiance;
 }
@@ -334,14 +328,6 @@ TEST(DaylightEmitters, TheTimePlacesTheSun) {
     EXPECT_NEAR(std::asin(noon.z()) / degree, 90 - 35.69 + 22.2, 0.3);
     EXPECT_GT(sun_of("").y(), 0.5f);
     EXPECT_LT(sun_of(number("hour", 8)).y(), -0.5f);
-}
-
-TEST(DaylightEmitters, WarnOfTheNightOnly) {
-    for (const std::string type : {"sunsky", "sky", "sun"})
-        EXPECT_TRUE(lit_by(type, sun_at(0, 0, 1) + number("turbidity", 1)).warnings.empty()) << type;
-    const LoadedScene night = lit_by("sunsky", number("hour", 23));
-    EXPECT_THAT(night.warnings, testing::Contains(HasSubstr("the sun is below the horizon, so that all is black")));
-    EXPECT_FALSE(night.scene->has_light());
 }
 
 }  // namespace

@@ -185,16 +185,16 @@ TEST(LightTree, ALightThatIsAloneIsAlwaysChosen) {
 
 /// The second moments of one sample of direct light on a horizontal surface at p, when lights are chosen by the tree
 /// and when they are chosen evenly, and the square of its mean.
-struct Moments {
+struct SecondMoments {
     double tree = 0, even = 0, squared_mean = 0;
 };
-Moments moments_at(const gib::Scene& scene, const Vec3& p, const Vec3& n, int samples) {
-    Moments moments;
+SecondMoments moments_at(const gib::Scene& scene, const Vec3& p, const Vec3& n, int samples) {
+    SecondMoments moments;
     double mean = 0;
     const auto count = static_cast<double>(scene.lights().size());
     for (std::uint32_t l = 0; l < scene.lights().size(); ++l) {
         double square = 0;
-        mean += mean_over_samples(samples, [&](const Sampler& u) {
+        mean += moments_over_samples(samples, [&](const Sampler& u) {
                     const auto sample = sample_light(scene.lights()[l], scene.shapes(), p, u.get_2d(1));
                     if (!sample || sample->wi.dot(n) <= 0.f || is_black(sample->Le)) return 0.0;
                     const Vec3 to = sample->target - p;
@@ -202,7 +202,7 @@ Moments moments_at(const gib::Scene& scene, const Vec3& p, const Vec3& n, int sa
                     const double x = double{sample->Le.mean() * sample->wi.dot(n) / sample->pdf_w};
                     square += x * x / samples;
                     return x;
-                }).value;
+                }).mean();
         if (square == 0) continue;
         moments.tree += square / double{scene.light_tree().probability(LitPoint(p, n), l)};
         moments.even += square * count;
@@ -216,7 +216,7 @@ TEST(LightTree, ASpotUnderADimSkyIsSampledBetterThanByAnEvenChoice) {
     const auto& scene = *loaded.scene;
     // The spot ends 1.46 from x = 1. Where it is dim, the sky must not be chosen too rarely.
     for (float x = -3.f; x <= 5.f; x += 0.0625f) {
-        const Moments m = moments_at(scene, Vec3(x, 0.1f, 1e-3f), Vec3::UnitZ(), 512);
+        const SecondMoments m = moments_at(scene, Vec3(x, 0.1f, 1e-3f), Vec3::UnitZ(), 512);
         EXPECT_LT(m.tree - m.squared_mean, 1.05 * (m.even - m.squared_mean)) << x;
         if (x == 1.f) {
             EXPECT_LT(m.tree / m.squared_mean - 1, 0.5);
@@ -232,7 +232,7 @@ TEST(LightTree, InAHallOfHiddenLampsItIsNoWorseThanAnEvenChoice) {
         const Ray down{Vec3(10 * u.get_1d(0) - 5, 0.f, 10 * u.get_1d(1) - 5), Vec3(0, -1, 0)};
         const auto hit = scene.intersect(down);
         ASSERT_TRUE(hit);
-        const Moments m = moments_at(scene, hit->p + 1e-4f * Vec3::UnitY(), Vec3::UnitY(), 64);
+        const SecondMoments m = moments_at(scene, hit->p + 1e-4f * Vec3::UnitY(), Vec3::UnitY(), 64);
         EXPECT_LT(m.tree, m.even) << hit->p.transpose();
     }
 }

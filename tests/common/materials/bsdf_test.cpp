@@ -207,17 +207,6 @@ TEST(Phong, SamplesKeepTheirDigitsForHighExponents) {
     }
 }
 
-TEST(Phong, SamplesCarryTheirOwnValueAndDensity) {
-    for (float n : {0.f, 30.f, 1e4f})
-        for (double degrees : {0.0, 45.0, 80.0, 89.0})
-            expect_samples_agree(Phong{Color::Constant(0.3f), Color::Constant(0.5f), n}, direction_at(degrees, 0.3),
-                                 1e-6f, "phong", n == 0.f ? 2.f : 1.1f);
-    const Phong only = glossy(30.f);
-    const Vec3 wo = direction_at(20, 0.3), wi = direction_at(25, 3.2);
-    // f / pdf = rho_s (n + 2) / (n + 1).
-    EXPECT_NEAR(f_of(only, wo, wi)[0] / only.pdf_w_local(wo, wi, Lobes::all), 32.f / 31.f, 1e-5f);
-}
-
 TEST(Phong, ItsLobeIsSpecularFromARoughnessOfATenthOn) {
     const Vec3 wo = direction_at(30, 0), wi = direction_at(31, 3.1);
     const Phong wide{Color::Constant(0.3f), Color::Constant(0.5f), 197.f},
@@ -235,13 +224,6 @@ TEST(Phong, ItsLobeIsSpecularFromARoughnessOfATenthOn) {
               LobeKind::specular);
     EXPECT_FALSE(glossy(30.f).sample_local(wo, 0.9f, {0.3f, 0.3f}, Transport::radiance, Lobes::specular));
     EXPECT_FALSE((Phong{Color::Zero(), Color::Zero(), 30.f}.traits().scatters()));
-}
-
-TEST(Phong, NothingIsEverNaN) {
-    for (float n : {0.f, 0.1f, 30.f, 1e8f})
-        for (const Color& diffuse : {Color(Color::Zero()), Color(Color::Constant(0.5f))})
-            for (const Color& specular : {Color(Color::Zero()), Color(Color::Constant(0.5f))})
-                expect_finite(Phong{diffuse, specular, n}, "phong " + std::to_string(n));
 }
 
 }  // namespace

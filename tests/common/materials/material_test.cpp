@@ -115,8 +115,8 @@ TEST(Material, ANormalMapTurnsAMirror) {
     EXPECT_NEAR(s->f[0] * std::abs(s->wi.z()) / s->pdf_w, 1.f, 1e-5f);
 }
 
-// The tilted surface reflects rho / pi max(n . wi, 0), of which f_local lacks the factor wi.z:
-// the caller multiplies by that.
+// The tilted surface reflects f |wi.z| = rho / pi max(n . wi, 0). f_local lacks the factor wi.z, by which its caller
+// multiplies.
 TEST(Material, ATiltedDiffuseSurfaceFollowsItsOwnCosine) {
     const Vec3 n = Vec3(0.5f, 0.f, 1.f).normalized();
     const Bsdf bsdf = tilted(n, nested(diffuse(0.5f))).at(flat_point());

@@ -1,6 +1,5 @@
-// Tests of what mesh files say of their surface: attributes, which the texture `mesh_attribute` takes from the mesh of the
-// shape that it stands in, and the materials of OBJ files, for each of which a shape may have a bsdf, as in Mitsuba 0.6.
-// The texture `rawconstant` and merged shapes are tested here, too.
+// Attributes of meshes, which the texture `mesh_attribute` takes from its shape's mesh, and materials of OBJ files: as
+// in Mitsuba 0.6, a shape may have a bsdf for each. The texture `rawconstant` and merged shapes are tested here, too.
 
 #include "common/mesh_files/mesh_data.h"
 #include "common/mesh_files/ply_attributes.h"
@@ -177,7 +176,7 @@ TEST_F(MeshAttributeTextures, ARawConstantIsOneOrThreeNumbers) {
                 HasSubstr("'reflectance' must be between 0 and 1, but its texture has 2"));
 }
 
-/// A bsdf for the material of this name; without a name, for those that have none of their own.
+/// A bsdf for the material of this name; without a name, for all materials without a bsdf of their own.
 std::string grey(const std::string& name, double reflectance) {
     const std::string value = number("reflectance", reflectance);
     return name.empty() ? bsdf("diffuse", value) : named("bsdf", name, "diffuse", value);

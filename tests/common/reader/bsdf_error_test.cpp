@@ -48,17 +48,11 @@ TEST(BsdfErrors, IndicesOfRefraction) {
             expect_errors(type, {{text(name, "butter"), "4:24",
                                   "'" + name + "': there is no material 'butter'; known are: vacuum, helium, "},
                                  {number(name, 0), place, "'" + name + "' must be above 0, not 0"},
-                                 {number(name, -1), place, "'" + name + "' must be above 0, not -1"},
-                                 {number(name, "1e-50"), place, "'" + name + "' must be above 0"},
-                                 {number(name, "nan"), place, "bad number 'nan'"},
-                                 {number(name, "inf"), place, "bad number 'inf'"},
-                                 {number(name, "1e39"), place, "too large"},
                                  {number(name, "1e4"), place, "'int_ior' over 'ext_ior' must be between 0.01 and 100"},
                                  {number(name, "1e-4"), place, "'int_ior' over 'ext_ior' must be between 0.01 and 100"},
                                  {rgb(name, "1.5"), "4:1", "'" + name + "' cannot be a <rgb>" + kinds},
                                  {squares(name), "4:1", "'" + name + "' cannot be a <texture>" + kinds}});
         }
-        expect_errors(type, {{number("int_ior", "1e30") + number("ext_ior", "1e-30"), "4:23", "not 1e+60"}});
     }
 }
 
@@ -104,44 +98,25 @@ TEST(BsdfErrors, TwosidedAroundWhatTransmits) {
                                {bsdf("twosided", grey), "4:1", "cannot be twosided"}});
 }
 
-TEST(BsdfErrors, BitmapsThatCannotBeRead) {
+TEST(BsdfErrors, BitmapsOutsideOfTheirRange) {
     const TemporaryFolder folder;
-    folder.write("text.png", "this is no image");
     write_image(folder / "bright.exr", 2, 1, 1, {0.5f, 1.5f});
     write_image(folder / "below.exr", 2, 1, 1, {0.5f, -0.5f});
-    const auto error = [&](const std::string& type, const std::string& name, const std::string& file,
-                           const std::string& nested = "") {
-        return error_of(type, bitmap(name, file) + nested, folder / "t.xml");
-    };
-    const auto expect = [&](const std::string& type, const std::string& name, const std::string& nested = "") {
-        EXPECT_THAT(error(type, name, "text.png", nested),
-                    StartsWith((folder / "text.png") + ":1:1: not an image that can be read"))
+    const auto expect = [&](const std::string& type, const std::string& name, const std::string& file,
+                            const std::string& message, const std::string& nested = "") {
+        EXPECT_THAT(error_of(type, bitmap(name, file) + nested, folder / "t.xml"),
+                    StartsWith((folder / "t.xml") + ":4:1: '" + name + "' must " + message))
             << type;
     };
-    for (const auto& [type, names] : reflectances) {
-        for (const std::string& name : names) {
-            expect(type, name);
-            EXPECT_THAT(error(type, name, "bright.exr"),
-                        StartsWith((folder / "t.xml") + ":4:1: '" + name +
-                                   "' must be between 0 and 1, but its texture has 1.5"))
-                << type;
-        }
-    }
-    expect("blendbsdf", "weight", grey + grey);
-    expect("mask", "opacity", grey);
-    expect("bumpmap", "any", grey);
-    expect("normalmap", "normalmap", grey);
-    const std::string at = (folder / "t.xml") + ":4:1: ";
-    EXPECT_THAT(error("mask", "opacity", "bright.exr", grey), StartsWith(at + "'opacity' must be between 0 and 1"));
-    EXPECT_THAT(error("blendbsdf", "weight", "below.exr", grey + grey), StartsWith(at + "'weight' must be between"));
+    for (const auto& [type, names] : reflectances)
+        for (const std::string& name : names)
+            expect(type, name, "bright.exr", "be between 0 and 1, but its texture has 1.5");
+    expect("mask", "opacity", "bright.exr", "be between 0 and 1", grey);
+    expect("blendbsdf", "weight", "below.exr", "be between 0 and 1", grey + grey);
     for (const auto& [type, name] :
          {std::pair("phong", "exponent"), std::pair("roughconductor", "alpha"), std::pair("roughdielectric", "alpha"),
-          std::pair("conductor", "eta"), std::pair("roughconductor", "k")}) {
-        expect(type, name);
-        EXPECT_THAT(error(type, name, "below.exr"),
-                    StartsWith(at + "'" + name + "' must not be negative, but its texture has -0.5"))
-            << type;
-    }
+          std::pair("conductor", "eta"), std::pair("roughconductor", "k")})
+        expect(type, name, "below.exr", "not be negative, but its texture has -0.5");
 }
 
 }  // namespace

@@ -140,14 +140,6 @@ TEST(ForeignFiles, APhongAbove1WithATextureIsScaledDown) {
         {"phong's diffuse_reflectance and specular_reflectance exceed 1 together: both are scaled down by 0.66"}, 256);
 }
 
-TEST(ForeignFiles, OfAValueThatIsGivenTwiceTheLastOneCountsBefore3) {
-    const LoadedScene scene = load_file("value-twice-2.0");
-    EXPECT_EQ(scene.scene->sensor().height(), 4);
-    EXPECT_THAT(scene.warnings,
-                ElementsAre(HasSubstr("value-twice-2.0.xml:10:13: 'height' is given twice, first at line 9: "
-                                      "the last one counts")));
-}
-
 TEST(ForeignFiles, ANumberOfSamplesBeyondAllBudgetsIsLeftOut) {
     const LoadedScene scene = load_file("sample-count");
     EXPECT_FALSE(scene.sample_count);
@@ -193,14 +185,6 @@ TEST(ForeignFiles, AnErrorThatEndsTheReadingFollowsTheUnknownParameters) {
 TEST(ForeignFiles, AnUnknownParameterOfAnUnusedObjectIsAWarning) {
     const LoadedScene scene = load(with_id("bsdf", "diffuse", "unused", number("gloss", 1)) + shape("sphere"));
     EXPECT_THAT(scene.warnings, ElementsAre(HasSubstr("nothing refers to this bsdf, which is left out")));
-}
-
-TEST(ForeignFiles, AllValuesWithoutADefaultAreInOneWarning) {
-    expect_radiance(
-        load_file("values-without-default"), 0.5,
-        {"values-without-default.xml:3:55: no value for $depth, $radius, $grey: 'max_depth' (line 3), 'radius' "
-         "(line 10), 'reflectance' (line 11) are left out, and their defaults count; --set depth=... --set "
-         "radius=... --set grey=... would give them"});
 }
 
 }  // namespace

@@ -44,13 +44,6 @@ TEST(ForgivenFaults, AValueWhoseParameterHasNoneIsThatOfThePlugin) {
     EXPECT_THAT(given.warnings, ElementsAre());
 }
 
-TEST(ForgivenFaults, AValueOfSeveralParametersNamesThemAll) {
-    const std::string body = shape("sphere", bsdf("diffuse", rgb("reflectance", "$r, $g, $b, $g")));
-    EXPECT_THAT(load(body).warnings,
-                ElementsAre(HasSubstr("no value for $r, $g, $b: 'reflectance' is left out, and its default counts; "
-                                      "--set r=... --set g=... --set b=... would give them")));
-}
-
 TEST(ForgivenFaults, ParametersThatAreNeededAreNamedAtOnce) {
     EXPECT_THAT(scene_error(shape("$kind", to_world("<scale x='$x' y='$y' z='$z'/>"))),
                 HasSubstr("no value for $kind, $x, $y, $z: "));

@@ -91,12 +91,6 @@ TEST(SceneFile, OrthographicSensorsAreScaledByTheirTransform) {
     expect_near(ray.d, Vec3(0, 0, 1));
 }
 
-TEST(SceneFile, ResolutionOverridesTheFilm) {
-    const auto loaded = load(ball, {{}, std::pair(7, 5)});
-    EXPECT_EQ(loaded.scene->sensor().width(), 7);
-    EXPECT_EQ(loaded.scene->sensor().height(), 5);
-}
-
 TEST(SceneFile, IntegratorsGiveTheLongestPath) {
     const auto path = [](int depth) {
         return element("integrator", "path", integer("max_depth", depth), integer("rr_depth", 9));
@@ -256,25 +250,6 @@ TEST(SceneFile, CubesAreClosedAndFaceOutwards) {
     expect_near(Vec3(uv.x(), uv.y(), 0), Vec3(0.5f, 0.5f, 0));
 }
 
-TEST(SceneFile, MeshNormalsAreSmoothUnlessFaceNormals) {
-    const TemporaryFolder folder;
-    // A roof: two slopes that share their ridge.
-    folder.write("roof.obj", "v 0 0 1\nv 1 0 1\nv 1 -1 0\nv 0 -1 0\nv 1 1 0\nv 0 1 0\nf 4 3 2 1\nf 1 2 5 6\n");
-    const auto mesh = [&](const std::string& body) {
-        return shape_of<Mesh>(load_in(folder, shape("obj", filename("roof.obj"), body)));
-    };
-    const Mesh smooth = mesh("");
-    ASSERT_EQ(smooth.normals.size() + 1, smooth.vertices.size());
-    bool ridge = false;
-    for (std::size_t i = 0; i < smooth.normals.size(); ++i)
-        if (smooth.vertex(static_cast<std::uint32_t>(i)).z() > 0.4f) {
-            ridge = true;
-            EXPECT_GT(smooth.normals[i].z(), 0.99f);
-        }
-    EXPECT_TRUE(ridge);
-    EXPECT_TRUE(mesh(flag("face_normals")).normals.empty());
-}
-
 TEST(SceneFile, ATransformMovesFileNormalsByItsInverseTranspose) {
     const TemporaryFolder folder;
     folder.write("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nvn 0 3 3\nf 1/1/1 2/1/1 3/1/1\n");
@@ -369,26 +344,6 @@ TEST(SceneFile, TheHashOfTheViewKnowsTheCropWindowByItsShareOfTheFilm) {
     EXPECT_EQ(view_of(9, 3, 3, {{}, std::pair(7, 7)}), third);
     EXPECT_NE(view_of(9, 0, 3), third);
     EXPECT_NE(view_of(9, 0, 9), third);
-}
-
-TEST(SceneFile, ShippedScenesLoad) {
-    const std::string folder = source_path("scenes/");
-    const auto box = load_scene(folder + "cornell-box.xml"), glass = load_scene(folder + "cornell-glass.xml");
-    EXPECT_EQ(box.scene->shapes().size(), 8u);
-    EXPECT_EQ(glass.scene->shapes().size(), 8u);
-    EXPECT_EQ(box.max_edges, 17);
-    EXPECT_EQ(box.sample_count, 128);
-    EXPECT_NEAR(area_of(box.scene->shapes()[7]), 130 * 105, 0.1);
-    // The lamp radiates pi A L.
-    EXPECT_NEAR(box.scene->emitted_power()[0], std::numbers::pi * 130 * 105 * 15, 10);
-    for (const char* name : {"furnace", "furnace-sphere"}) {
-        const auto furnace = load_scene(folder + name + ".xml", {{{"rho", "0.9"}, {"emission", "0.1"}}, {}});
-        const Vec3 d(0.3f, -0.5f, 0.7f);
-        const auto h = furnace.scene->intersect({Vec3(0.1f, -0.2f, 0.3f), d});
-        ASSERT_TRUE(h);
-        EXPECT_FLOAT_EQ(h->Le(-d)[0], 0.1f);
-        EXPECT_FLOAT_EQ(h->bsdf->coefficients_local(Vec3(0, 0, 1)).diffuse[0], 0.9f);
-    }
 }
 
 }  // namespace

@@ -31,12 +31,8 @@ TEST(MediumErrors, Parameters) {
                   in("fog"));
     expect_errors(
         {
-            {number("sigma", 1), "3:1", "medium 'homogeneous' does not take a parameter 'sigma'"},
-            {bsdf("diffuse"), "3:1", "does not take a <bsdf>"},
             {number("sigma_t", -1), "3:23", "-1"},
-            {number("sigma_t", "nan"), "3:23", "bad number 'nan'"},
             {rgb("albedo", "0.5, 1.5, 0"), "3:20", "1.5"},
-            {number("scale", -2), "3:21", "'scale' must not be negative"},
             {number("scale", 1e10), "3:21", "an extinction above 1e+09"},
             {number("sigma_t", 1e10), "3:23", "an extinction above 1e+09"},
             {number("sigma_a", 6e8) + number("sigma_s", 6e8), "3:23", "an extinction above 1e+09"},
@@ -45,19 +41,15 @@ TEST(MediumErrors, Parameters) {
             {named("volume", "sigma_t", "constvolume"), "3:1", "'sigma_t' cannot be a <volume>"},
             {element("phase", "kkay"), "3:8",
              "the phase 'kkay' is not supported; supported are: isotropic, hg, rayleigh"},
-            {element("phase", "rayleigh", number("g", 0.5)), "3:24", "phase 'rayleigh' does not take a parameter 'g'"},
             {element("phase", "hg", number("g", 1)), "3:34", "'g' must be between -0.999 and 0.999, not 1"},
             {element("phase", "isotropic", number("g", 0.5)), "3:25",
              "phase 'isotropic' does not take a parameter 'g'"},
-            {"<phase type='hg'/><phase type='hg'/>", "3:19", "only one <phase>"},
         },
         in("homogeneous"));
     expect_errors(
         {
-            {number("sigma_s", 1), "3:1", "does not take a parameter 'sigma_s'"},
             {named("volume", "sigma_t", "vdb"), "3:24",
              "the volume 'vdb' is not supported; supported are: constvolume, gridvolume"},
-            {named("volume", "sigma_t", "gridvolume"), "3:1", "'gridvolume' needs 'filename'"},
             {grid("sigma_t", "no.vol"), "3:42", "no.vol"},
             {named("volume", "albedo", "constvolume", number("value", 2)), "3:62", "2"},
         },
@@ -134,7 +126,8 @@ TEST(MediumContradictions, ACameraInAnOpenBoundaryWhoseMediumItDoesNotName) {
     EXPECT_THAT(warnings_of(fog + sky + sphere(1, 5, with_fog)), IsEmpty());
 }
 
-// A closed boundary around the camera tells the medium that the sensor does not name; a glass ball and a wall in it do not hide it.
+// A sensor that names no medium stands in that of the closed boundary around it. A glass ball and a wall inside do not
+// hide the boundary.
 TEST(MediumContradictions, ACameraInAClosedBoundaryStandsInItsMedium) {
     const std::string things = shape("sphere", center(0.5f, 0, 0), radius(0.2), bsdf("dielectric"), beside_fog) +
                                shape("rectangle", to_world(scale(0.2), translate(0, 0, -0.5)), diffuse(0.5)) + "\n";

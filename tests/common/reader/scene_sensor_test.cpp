@@ -63,15 +63,6 @@ TEST(SceneSensor, ThinLensesHaveAnApertureAndAFocus) {
     EXPECT_NEAR(meet(lens(5, number("far_clip", 70))), 70.f, 0.1f);
 }
 
-TEST(SceneSensor, OnlyAnOpenLensCallsForDepthOfField) {
-    const auto effects = [](const std::string& sensor) {
-        return effects_of(*load(sensor).scene).has(Effect::depth_of_field);
-    };
-    EXPECT_TRUE(effects(element("sensor", "thinlens", number("aperture_radius", 0.1))));
-    EXPECT_FALSE(effects(element("sensor", "thinlens", number("aperture_radius", 0))));
-    EXPECT_FALSE(effects(perspective(number("focus_distance", 5.8))));
-}
-
 TEST(SceneSensor, ACropIsTheImage) {
     const Sensor whole = camera_of(film(16)), part = camera_of(film(16, crop("3", "9", "10", "2")));
     EXPECT_EQ(part.width(), 10);
@@ -174,13 +165,6 @@ TEST(SceneSensor, WarnsOfWhatHasNoEffect) {
         load(perspective() + element("integrator", "moment", element("integrator", "pssmlt", integer("max_depth", 3))));
     EXPECT_EQ(moments.max_edges, 3);
     EXPECT_THAT(moments.warnings, ElementsAre(HasSubstr("integrator 'pssmlt'")));
-}
-
-// A warning comes once, however often its cause does.
-TEST(SceneSensor, WarnsOnce) {
-    const std::string body = film(4, element("rfilter", "lanczos"));
-    const auto scene = load(perspective(body) + perspective(body));
-    EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
 }  // namespace

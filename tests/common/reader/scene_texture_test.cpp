@@ -69,15 +69,6 @@ protected:
     std::string main_ = folder_ / "main.xml";
 };
 
-TEST_F(SceneTextures, OfABitmapAreDecodedFilteredAndRepeatedByDefault) {
-    const Texture texture = reflectance(bitmap("two.png"));
-    EXPECT_FALSE(texture.constant());
-    EXPECT_NEAR(texture.color(Vec2{0.5f, 0.5f})[0], 0.5f, 1e-6);
-    EXPECT_NEAR(texture.color(Vec2{0.75f, 0.5f})[1], decoded_128, 1e-6);
-    EXPECT_NEAR(texture.color(Vec2{0, 0.5f})[0], 0.5f, 1e-6);
-    EXPECT_NEAR(texture.color(Vec2{1.75f, 0.5f})[0], 1, 1e-6);
-}
-
 TEST_F(SceneTextures, OfABitmapTakeMitsubasParameters) {
     const auto red = [&](const std::string& more, float u) {
         return reflectance(bitmap("two.png", more)).color(Vec2{u, 0.5f})[0];
@@ -238,24 +229,6 @@ TEST(BumpAndNormalMaps, TurnAndShadowNormalsUnlessToldOtherwise) {
             EXPECT_EQ(options(type, map, booleans).flip_invalid_normals, turn) << map << booleans;
             EXPECT_EQ(options(type, map, booleans).use_shadowing_function, shadow) << map << booleans;
         }
-}
-
-TEST(LinearImages, AreLinearRgbWithRowZeroOnTop) {
-    const TemporaryFolder folder;
-    const auto values = random_values(70, 150, 3);
-    const LinearImage exact = load_linear_image(write_image(folder / "a.exr", 70, 150, 3, values));
-    EXPECT_EQ(exact.width, 70);
-    EXPECT_EQ(exact.height, 150);
-    EXPECT_EQ(exact.rgb, values);
-    const LinearImage grey = load_linear_image(write_image(folder / "g.png", 1, 2, 1, {byte(255), byte(128)}, bytes));
-    ASSERT_EQ(grey.rgb.size(), 6u);
-    for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_EQ(grey.rgb[k], 1);
-        EXPECT_NEAR(grey.rgb[3 + k], decoded_128, 1e-6);
-    }
-    write_image(folder / "inf.exr", 2, 2, 1, {0, 0, 0, infinity});
-    EXPECT_THROW(load_linear_image(folder / "inf.exr"), InputError);
-    EXPECT_THROW(load_linear_image(folder / "no.exr"), InputError);
 }
 
 // The texture `scale` of Mitsuba 0.6 multiplies a texture, or the colour `value`.

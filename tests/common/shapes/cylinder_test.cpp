@@ -132,34 +132,5 @@ TEST(Cylinder, BoundsTouchIt) {
     }
 }
 
-LoadedScene lamp(const std::string& more = "") {
-    return load(shape("cylinder", radius(0.5), point("p0", 0, 0, -1), point("p1", 0, 0, 1), area_light(3), more));
-}
-
-TEST(Cylinder, LightsWithItsOuterSide) {
-    const auto loaded = lamp();
-    EXPECT_NEAR(loaded.scene->emitted_power()[0], std::numbers::pi * 3 * 2 * std::numbers::pi, 1e-4);
-    const auto outside = loaded.scene->intersect({Vec3(2, 0, 0), Vec3(-1, 0, 0)});
-    ASSERT_TRUE(outside);
-    EXPECT_EQ(outside->Le(Vec3(1, 0, 0))[0], 3.f);
-    const auto inside = loaded.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)});
-    ASSERT_TRUE(inside);
-    EXPECT_EQ(inside->Le(Vec3(-1, 0, 0))[0], 0.f);
-    const auto turned = lamp(flag("flip_normals"));
-    EXPECT_EQ(turned.scene->intersect({Vec3::Zero(), Vec3(1, 0, 0)})->Le(Vec3(-1, 0, 0))[0], 3.f);
-}
-
-TEST(Cylinder, LightPathsStartOnItsFrontAndLeaveIt) {
-    const auto loaded = lamp();
-    Random random(6);
-    for (int i = 0; i < 10'000; ++i) {
-        const EmissionSample e = loaded.scene->sample_emission(random.next(), random.next_2d(), random.next_2d());
-        EXPECT_NEAR(Vec2(e.ray.o.x(), e.ray.o.y()).norm(), 0.5f, 1e-5f);
-        EXPECT_GE(e.ray.d.dot(e.normal), 0.f);
-        EXPECT_GT(e.normal.dot(Vec3(e.ray.o.x(), e.ray.o.y(), 0)), 0.f);
-        EXPECT_FALSE(loaded.scene->intersect(e.ray));
-    }
-}
-
 }  // namespace
 }  // namespace gib::test::cylinder_test

@@ -74,43 +74,6 @@ TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
     EXPECT_GT(misses, 1000);
 }
 
-// A ray meets a scaled scene at the scaled point. Powers of two change no digit; a scale of 1e-10 leaves a
-// determinant of 1e-20, which Embree takes for zero.
-TEST(Accelerator, FindsTheSameInAnyUnits) {
-    const LoadedScene loaded = every_shape();
-    const auto& scene = *loaded.scene;
-    for (const double size : {1e-10, 1e-6, 1e-3, 1e6, 1e10}) {
-        const auto scale = static_cast<float>(size);
-        const LoadedScene loaded_resized = every_shape(size);
-        const auto& resized = *loaded_resized.scene;
-        std::vector<int> hits_of_shape(scene.shapes().size());
-        int differing = 0;
-        for (std::uint64_t i = 0; i < 20000; ++i) {
-            const Sampler u(PointSet::independent, 2, i, 0);
-            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
-            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
-            const Ray ray{from, (at - from).normalized()};
-            const auto expected = scene.accelerator().intersect(ray);
-            const auto found = resized.accelerator().intersect({scale * ray.o, ray.d});
-            // The scaled coordinates are rounded, so a ray may pass an edge on its other side.
-            if (found.has_value() != expected.has_value() ||
-                (found && (found->shape != expected->shape || found->primitive != expected->primitive))) {
-                ++differing;
-                continue;
-            }
-            if (!found) continue;
-            EXPECT_NEAR(found->t / scale, expected->t, 2e-5f * scene.diagonal()) << size;
-            EXPECT_NEAR(found->u, expected->u, 1e-3f) << size;
-            EXPECT_NEAR(found->v, expected->v, 1e-3f) << size;
-            EXPECT_EQ(resized.accelerator().occluded({scale * ray.o, ray.d}), true) << size;
-            ++hits_of_shape[expected->shape];
-        }
-        EXPECT_LE(differing, 4) << size;
-        for (int hits : hits_of_shape)
-            EXPECT_GT(hits, 100) << size;
-    }
-}
-
 /// A closed surface r(theta, phi) around the origin, as an OBJ file with uv and smooth
 /// normals; an ellipsoid if `convex`.
 std::string blob(int rings, bool convex) {
@@ -257,12 +220,6 @@ TEST(Instance, IsTheMovedSphereDiskAndCylinder) {
         }
 }
 
-TEST(Instance, PlainScenesHitNoInstance) {
-    const auto loaded = load(corners(1));
-    EXPECT_EQ(loaded.scene->intersect({Vec3(1, 1, 5), Vec3(0, 0, -1)})->instance, no_instance);
-    EXPECT_TRUE(loaded.scene->instances().empty());
-}
-
 TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
     const auto ball = [](double x, const std::string& material) {
         return shape("sphere", center(x, 0, 0), reference(material));
@@ -295,17 +252,6 @@ TEST(Instance, ShowsTheRightShapeOfTheRightGroup) {
     EXPECT_TRUE(scene.occluded({Vec3(-2.5f, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_FALSE(scene.occluded({Vec3(0, 15.f, 9), Vec3(0, 0, -1)}));
     EXPECT_LT((scene.bounds().upper - Vec3(3.5f, 16, 1)).norm(), 1e-4f);
-}
-
-TEST(Instance, CountsForTheAnalysisOfEffects) {
-    const TemporaryFolder folder;
-    const std::string crystal = file_shape(folder.write("m.obj", blob(4, true)), bsdf("dielectric"));
-    const auto loaded = load(instance_of(crystal, ""));
-    const Effects effects = effects_of(*loaded.scene);
-    EXPECT_TRUE(effects.has(Effect::refraction));
-    EXPECT_TRUE(effects.has(Effect::smooth_normals));
-    const auto unseen = load(shape("shapegroup", crystal) + corners(1));
-    EXPECT_FALSE(effects_of(*unseen.scene).has(Effect::refraction));
 }
 
 /// Rays that leave a closed convex surface miss it, and rays that enter it meet its far side.

@@ -3,6 +3,7 @@
 #include "common/shapes/shape.h"
 #include "common/sampling/sampler.h"
 #include "common/scene/scene.h"
+#include "common/shapes/few_spheres.h"
 #include "tests/support/random.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/scene_text.h"
@@ -357,6 +358,46 @@ TEST(Spheres, HaveANormalWhereTheirRadiusIsLost) {
     const Vec3 center(37, 20, 5);
     const SurfaceGeometry at = surface_at_analytic(Shape(Sphere{center, 1e-8f}), center);
     EXPECT_NEAR(at.ng.norm(), 1.f, 1e-6f);
+}
+
+/// The first hit of a ray with each sphere alone, and whether there is any: what FewSpheres finds with all at once. Half of the rays
+/// start on a sphere, and half lead to its rim, where rounding decides.
+TEST(FewSpheres, FindWhatEachSphereFindsAlone) {
+    for (const float unit : {1e-20f, 1e-12f, 1e-3f, 1.f, 1e6f, 1e15f}) {
+        Random random(7);
+        std::array<Sphere, FewSpheres::most> spheres;
+        FewSpheres together;
+        for (std::uint32_t i = 0; i < spheres.size(); ++i) {
+            spheres[i] = {.center = unit * 3.f * random.direction(),
+                          .radius = unit * std::exp2(-2.f * static_cast<float>(i))};
+            together.add(spheres[i], 10 + i);
+        }
+        int hits = 0;
+        for (std::size_t n = 0; n < 40000; ++n) {
+            const Sphere &from = spheres[n % 8], &to = spheres[n / 8 % 8];
+            const SurfacePoint start = surface_at_analytic(from, from.center + unit * random.direction(), false);
+            const Vec3 w = random.direction();
+            const Vec3 o = n % 2 == 0 ? offset_origin(start, w) : Vec3(5.f * unit * random.direction());
+            const Vec3 towards = to.center - o, across = towards.cross(w).normalized();
+            const float sine = to.radius / towards.norm();
+            const Vec3 rim = to.center + to.radius * (std::sqrt(std::max(1.f - sine * sine, 0.f)) * across -
+                                                      sine * towards.normalized());
+            const Ray ray{.o = o, .d = n % 4 < 2 ? w : Vec3(rim - o), .t_max = n % 3 == 0 ? 1.f : infinity};
+            Ray rest = ray;
+            std::optional<std::uint32_t> first;
+            for (std::uint32_t i = 0; i < spheres.size(); ++i)
+                if (const auto t = intersect(spheres[i], rest)) {
+                    rest.t_max = *t;
+                    first = 10 + i;
+                }
+            Ray found = ray;
+            ASSERT_EQ(together.intersect(found), first) << unit << ' ' << n;
+            ASSERT_EQ(found.t_max, rest.t_max);
+            ASSERT_EQ(together.occluded(ray), first.has_value());
+            if (first) ++hits;
+        }
+        EXPECT_GT(hits, 10000);
+    }
 }
 
 }  // namespace

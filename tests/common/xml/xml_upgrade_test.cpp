@@ -254,7 +254,7 @@ protected:
     void expect_same(const OldScene& scene) const {
         const LoadedScene old_one = load(scene.version, scene.old_body), new_one = load("3.0.0", scene.new_body);
         EXPECT_EQ(old_one.sample_count, new_one.sample_count);
-        // Reflectances that are scaled down differ by a rounding from those that are typed.
+        // Reflectances that are scaled down differ by a rounding from typed ones.
         EXPECT_THAT(render(old_one, "path", 4).total().rgb,
                     ::testing::Pointwise(::testing::FloatNear(1e-5f), render(new_one, "path", 4).total().rgb));
         EXPECT_GT(mean_of(render(old_one, "path", 4).total()).maxCoeff(), 0.01);

@@ -109,23 +109,6 @@ TEST(BiasLaws, FindTheExponentAmongLabelsThatDifferInOneParameter) {
     EXPECT_NEAR(laws[0].fit->factor, 3, 1e-6);
 }
 
-TEST(BiasLaws, HaveTheNamesOfTheirRows) {
-    const auto name_of_law = [](const std::string& before, const std::string& after) {
-        Analysis analysis;
-        analysis.cells = {run_of("photon_mapper", 1, 1, 2)};
-        for (const char* x : {"1e4", "1e5", "1e6"}) {
-            const std::string name = before + "photons=" + x + after;
-            analysis.rows.push_back(row_of(name, Layer::total, Estimate{1, {}}, 5));
-            analysis.labels[name] = std::string("photon_mapper photons=") + x + " spp=8";
-        }
-        return bias_laws(analysis).at(0).name;
-    };
-    EXPECT_EQ(name_of_law("photon_mapper ", ""), "photon_mapper");
-    EXPECT_EQ(name_of_law("photon_mapper ", " spp=8"), "photon_mapper spp=8");
-    EXPECT_EQ(name_of_law("photon map, ", ""), "photon map");
-    EXPECT_EQ(name_of_law("photon map, ", ", spp=8"), "photon map, spp=8");
-}
-
 TEST(BiasLaws, SayNothingOfTwoPoints) {
     Analysis analysis;
     for (const std::string method : {"photons photons=1e4", "photons photons=1e5"}) {
@@ -136,7 +119,7 @@ TEST(BiasLaws, SayNothingOfTwoPoints) {
     EXPECT_THAT(markdown_table(analysis), Not(HasSubstr("How bias falls")));
 }
 
-/// Three labels of one method, of which the clock says that the shortest is the quickest, and another one.
+/// Three labels of one method and a label of another. By its times the shortest run has the quickest passes.
 Analysis sweep() {
     Analysis analysis;
     analysis.index.methods = {"path spp=4", "path spp=64", "path spp=16", "photon_mapper k=5 spp=64"};
@@ -183,22 +166,6 @@ TEST(Processors, UnlikeOnesOfAScene) {
     EXPECT_FALSE(unlike_processors(cells, "glass")) << "a record of an older version has no name";
 }
 
-TEST(Processors, OfARow) {
-    std::vector<Cell> cells;
-    for (const char* cpu : {"B", "A", "B", ""})
-        cells.push_back(measured_on(cpu, "box", "path"));
-    EXPECT_THAT(processors_of({&cells[0], &cells[1], &cells[2], &cells[3]}), ElementsAre("A", "B"));
-    EXPECT_THAT(processors_of({&cells[3]}), ::testing::IsEmpty());
-}
-
-TEST(KnownBias, IsThatOfMethodsThatDeclareIt) {
-    EXPECT_TRUE(is_unbiased_by_theory(row_of("path spp=16"), {}));
-    EXPECT_TRUE(is_unbiased_by_theory(row_of("bidirectional spp=16", Layer::caustic), {}));
-    EXPECT_FALSE(is_unbiased_by_theory(row_of("photon_mapper photons=1e4"), {}));
-    EXPECT_FALSE(is_unbiased_by_theory(row_of("radiosity", Layer::indirect), {}));
-    EXPECT_FALSE(is_unbiased_by_theory(row_of("a_method_of_an_older_program"), {}));
-}
-
 TEST(KnownBias, NeedsEveryPathOfTheComponent) {
     EXPECT_FALSE(is_unbiased_by_theory(row_of("path spp=16"), {Component::caustic}));
     EXPECT_FALSE(is_unbiased_by_theory(row_of("path spp=16", Layer::caustic), {Component::caustic, Component::volume}));
@@ -212,7 +179,7 @@ TEST(KnownBias, NeedsEveryPathOfTheComponent) {
     EXPECT_FALSE(is_unbiased_by_theory(row, {}));
 }
 
-// The columns of bias^2 keep the measured values; a column of its own says that theory knows better.
+// The columns of bias^2 keep the measured values; the column bias_state says that the method is unbiased.
 TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
     Analysis analysis;
     analysis.rows = {row_of("path spp=16", Layer::total, Estimate{0.5, Interval{0.25, 0.75}})};
@@ -230,8 +197,8 @@ TEST(KnownBias, IsAStateBesideTheMeasuredValue) {
 
 Image constant(float value) { return constant_image(value, 2, 2); }
 
-/// A reference with `direct` light and a black `emission`, which does not resolve `caustic` and `volume`, of which it shows
-/// nothing.
+/// A reference with `direct` light and a black `emission`. Its method does not sample `caustic` and `volume`, which are
+/// black.
 Reference reference_of(float direct) {
     Reference reference;
     reference.total = {.mean = constant(direct), .standard_error = std::nullopt, .groups = {}};

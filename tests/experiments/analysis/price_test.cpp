@@ -137,14 +137,6 @@ TEST(Verdicts, GiveTheClosestTheErrorOfItsFinalImages) {
     EXPECT_NEAR(std::sqrt(rows[0].error.value), final_error, 1e-9);
 }
 
-TEST(BalanceWarnings, CallABlackImageBlackAlsoWithoutAnInterval) {
-    Analysis analysis = crossing();
-    analysis.rows[0].balance = EnergyBalance{{0, {}}, 1, {-1, {}}, BalanceVerdict::inconclusive};
-    const auto warnings = balance_warnings(analysis);
-    ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_THAT(warnings[0].sentence, HasSubstr("`total` is black"));
-}
-
 TEST(BalanceWarnings, CompareMethodsWhereTheReferenceIsInconclusive) {
     Analysis analysis;
     analysis.index.seeds = 4;

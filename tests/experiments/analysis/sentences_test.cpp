@@ -2,7 +2,6 @@
 
 #include "experiments/analysis/comparison.h"
 #include "experiments/analysis/row_fields.h"
-#include "experiments/analysis/warnings.h"
 #include "experiments/report/report.h"
 #include "experiments/report/report_data.h"
 #include "experiments/report/tables.h"
@@ -119,16 +118,6 @@ TEST(Curves, EndWhereTheTableEnds) {
     EXPECT_THAT(markdown_table(analysis), HasSubstr("| 40 to 64 |"));
 }
 
-TEST(Bias, UnbiasedMethodsHaveNoCurveOfIt) {
-    Analysis analysis = analysis_of(runs("path", 1e-2, 1, 8));
-    analysis.references.push_back({.scene = "box", .method = "path"});
-    analysis.rows[0].bias = {{0.1, 1}};
-    const auto bias = [&] { return report_data(analysis)["scenes"]["box"]["spectra"]["total"][0]["bias"].size(); };
-    EXPECT_EQ(bias(), 1u);
-    analysis.rows[0].is_unbiased = true;
-    EXPECT_EQ(bias(), 0u);
-}
-
 // A fixed map's floor of 7 % does not show in a run that ends at 10 %: the fitted one is 0 without any scatter.
 TEST(Extrapolation, AFloorThatIsNotSeenIsNotKnownToBeNone) {
     std::mt19937_64 random(4);
@@ -150,12 +139,6 @@ TEST(Extrapolation, NoFloorIsAboveTheErrorOfItsRow) {
     ASSERT_EQ(time_field(analysis.rows[0], 3).state, State::never);
     analysis.rows[0].statistics->rel_mse_corrected = 8e-4;
     EXPECT_EQ(time_field(analysis.rows[0], 3).state, State::not_reached);
-}
-
-Cell busy(Cell cell, double waiting) {
-    cell.processor_seconds = 2 * cell.last().seconds;
-    cell.waiting_seconds = waiting * cell.processor_seconds;
-    return cell;
 }
 
 // The lamp is 6.5 % of the error in each of the images, and no seed has met it; all else is noise that falls.
@@ -189,7 +172,7 @@ TEST(Extrapolation, NoErrorFallsFasterThanThatOfIndependentSamples) {
     EXPECT_LT(five.interval->lo, 1.02 * std::pow(1.05 / 0.0025, 1 / 1.5)) << "it may go on as it was";
 }
 
-// Noise still hides the floor; the images tell of it.
+// The curve still falls like noise; the images show the unsampled light, which is an error floor.
 TEST(Extrapolation, UnsampledLightIsAFloorThatNoCurveShows) {
     Analysis analysis = analysis_of(runs("path", 1, 0.5, 32));
     TableRow& row = analysis.rows[0];
@@ -205,7 +188,7 @@ TEST(Extrapolation, UnsampledLightIsAFloorThatNoCurveShows) {
     EXPECT_EQ(line_of(variance_field(row)), "inconclusive");
 }
 
-// Both seeds reach 5 % with their first images, one of which comes after the mean of the two times.
+// Both seeds reach 5 % with their first images. One image is later than the mean of the two times.
 TEST(Verdicts, TheBestOneHasAnErrorAtItsTime) {
     std::vector<Cell> cells;
     for (const auto& [seed, first] : {std::pair<std::uint64_t, double>{1, 5}, {2, 5.3}})
@@ -229,7 +212,7 @@ TEST(Ties, OneSeedOfARivalIsNoTie) {
     EXPECT_EQ(scene_look(analysis, "box").methods.at(0).beside, "best, inconclusive, one seed: `one`");
 }
 
-// Its true error may be the one that was asked for: nothing tells that it takes longer.
+// Its true error may be the one that was asked for: that it takes longer is inconclusive.
 TEST(Ties, WhoMayHaveReachedAnErrorIsNotBehind) {
     Analysis analysis = analysis_of(joined({runs("quick", 1e-3, 0.5, 8), runs("close", 2.6e-2, 0.5, 8)}));
     const auto standing = [&](double lowest) {
@@ -240,22 +223,6 @@ TEST(Ties, WhoMayHaveReachedAnErrorIsNotBehind) {
     };
     EXPECT_EQ(standing(2.4e-3), Standing::open);
     EXPECT_EQ(standing(2.6e-3), Standing::behind);
-}
-
-TEST(BusyMachine, IsSeenByThreadsThatWait) {
-    Analysis analysis = analysis_of(joined({runs("path", 1e-2, 1, 8), runs("vcm", 1e-2, 1, 8)}));
-    for (Cell& cell : analysis.cells)
-        cell = busy(cell, 0.005);
-    EXPECT_FALSE(busy_machine(analysis, "gibench run 'e.toml'"));
-    analysis.cells[1] = busy(analysis.cells[1], 0.5);
-    const auto warning = busy_machine(analysis, "gibench run 'e.toml'");
-    ASSERT_TRUE(warning);
-    EXPECT_THAT(warning->sentence,
-                AllOf(HasSubstr("path: threads waited 0.5 s for each second"), Not(HasSubstr("vcm"))));
-    EXPECT_EQ(warning->command, "gibench run 'e.toml' --only 'path' --fresh");
-    analysis.warnings.push_back(*warning);
-    const std::string text = markdown_table(analysis);
-    EXPECT_LT(text.find("- Warning: the machine was busy"), text.find("## Each method")) << "before any number";
 }
 
 }  // namespace

@@ -34,22 +34,5 @@ TEST(ShortNames, HaveTheSettingsThatDiffer) {
               Names({{"vcm", "vcm"}, {"vcm radius=0.1", "vcm radius=0.1"}}));
 }
 
-TEST(ShortNames, AreThoseThatTheExperimentGives) {
-    Analysis analysis =
-        of({"path", "photon_mapper photons=1e4 k=5", "photon_mapper photons=1e5 k=5", "photon_mapper gather=9"});
-    analysis.index.given_names = {{"photon_mapper photons=1e4 k=5", "photon map"},
-                                  {"photon_mapper photons=1e5 k=5", "photon map"},
-                                  {"photon_mapper gather=9", "photon map, gathered"}};
-    EXPECT_EQ(short_names(analysis), Names({{"path", "path"},
-                                            {"photon_mapper photons=1e4 k=5", "photon map, photons=1e4"},
-                                            {"photon_mapper photons=1e5 k=5", "photon map, photons=1e5"},
-                                            {"photon_mapper gather=9", "photon map, gathered"}}));
-    const std::string text = markdown_table(analysis);
-    EXPECT_THAT(text, AllOf(HasSubstr("| photon map, photons=1e5 |"), HasSubstr("## Settings"),
-                            HasSubstr("| box | photon map, gathered | photon_mapper gather=9 |")));
-    for (const TableRow& row : with_short_names(analysis).rows)
-        EXPECT_NE(analysis.row("box", with_short_names(analysis).label_of(row.method), Layer::total), nullptr);
-}
-
 }  // namespace
 }  // namespace gib::test::short_names_test

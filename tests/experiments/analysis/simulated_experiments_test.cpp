@@ -34,7 +34,7 @@ double factor(Scatter scatter, std::mt19937_64& random) {
     return 1;
 }
 
-/// What a method's squared errors are on average: floor + c / t^slope.
+/// The mean of a method's squared errors: floor + c / t^slope.
 struct Truth {
     double c, floor, slope;
     double seconds_to(double error) const {
@@ -59,7 +59,7 @@ Cell simulated(const std::string& method, std::uint64_t seed, const Truth& truth
 
 constexpr int experiments = 200;
 
-// At most 5 % of 200; the tests that tell methods apart err in 2 % or less.
+// At most 5 % of 200; the test that two methods differ significantly errs in 2 % or less.
 TEST(SimulatedExperiments, NameNoWinnerAmongEqualMethods) {
     for (const Scatter scatter : {Scatter::normal, Scatter::skewed, Scatter::heavy_tailed, Scatter::mostly_zero})
         for (const int seeds : {2, 3, 5}) {
@@ -109,7 +109,7 @@ TEST(SimulatedExperiments, NameNoWinnerWhereOneMethodIsNoisier) {
             EXPECT_LE(winners({{{truth, Scatter::quiet}, {truth, other}}}, seeds), 16) << seeds << " seeds";
 }
 
-// Three seeds of an error that scatters by a tenth tell 21 % from 3.8 %, and 5 % from 3.8 %.
+// With three seeds of errors that scatter by a tenth, 21 % and 5 % each differ significantly from 3.8 %.
 TEST(SimulatedExperiments, NameTheWinnerThatIsAhead) {
     const Truth best{4e-3, 0, 1};
     for (const double ratio : {21 / 3.8, 5 / 3.8})

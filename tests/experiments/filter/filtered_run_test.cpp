@@ -1,4 +1,4 @@
-// The key `filter` of an experiment: filtered images are measured like any others, and errors are told where they stand.
+// The key `filter` of an experiment: filtered images are measured like any others, and errors name their place.
 
 #include "common/images/image_file.h"
 #include "experiments/results/result_folder.h"
@@ -84,18 +84,6 @@ TEST_F(FilteredRun, AFilterStandsInTheNameOfTheOnlyRow) {
     write_path("spp = 4\nfilter = 'nlm'\n");
     ASSERT_THAT(run(), exits(0));
     EXPECT_EQ(field("path spp=4 filter=nlm", "label"), "path filter=nlm");
-}
-
-TEST_F(FilteredRun, ThreadsChangeNothing) {
-    std::vector<std::vector<float>> images;
-    for (const std::string threads : {"1", "2", "3"}) {
-        ASSERT_THAT(gibench("render tiny.xml --resolution 40x40 --method 'path spp=8 filter=nlm' -o x.exr --threads " +
-                            threads),
-                    exits(0));
-        images.push_back(read_image(path("x.exr")).find("")->rgb);
-    }
-    EXPECT_EQ(images[0], images[1]);
-    EXPECT_EQ(images[0], images[2]);
 }
 
 // The wall faces the camera, is 5 units away and reflects one half; the corners of the image show nothing.

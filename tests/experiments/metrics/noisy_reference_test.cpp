@@ -180,34 +180,6 @@ TEST(RelativeEpsilon, MakesEveryRelativeNumberTheSameInAnyUnitOfLight) {
         << "an absolute epsilon hides a dark picture's error";
 }
 
-// The pilot of a reference shares the time alike in any unit of light.
-TEST(RelativeEpsilon, GivesMethodsTheSameSharesInAnyUnitOfLight) {
-    const auto plan = [](double unit) {
-        std::vector<MethodPilot> pilots(2);
-        for (std::size_t m = 0; m < 2; ++m) {
-            for (const Component c : {Component::direct, Component::caustic}) {
-                const bool better = (c == Component::caustic) == (m == 1);
-                const auto noisy = shaded_images(4, better ? 1 : 1.01, unit, 10 * m + static_cast<std::uint64_t>(c));
-                pilots[m].groups.resize(4);
-                for (std::size_t g = 0; g < 4; ++g) {
-                    pilots[m].groups[g].width = pilots[m].groups[g].height = 16;
-                    pilots[m].groups[g][c] = noisy[g];
-                }
-            }
-            pilots[m].passes = 1;
-            pilots[m].work = 1 + static_cast<double>(m);
-        }
-        return plan_of_least_variance({"a", "b"}, pilots, std::nullopt);
-    };
-    const ReferencePlan bright = plan(1), dark = plan(1e-4);
-    for (std::size_t m = 0; m < 2; ++m) {
-        EXPECT_EQ(dark.shares[m].passes, bright.shares[m].passes);
-        for (std::size_t c = 0; c < component_count; ++c)
-            EXPECT_NEAR(dark.shares[m].weights[c], bright.shares[m].weights[c], 1e-4);
-    }
-    EXPECT_NEAR(dark.error2_work / bright.error2_work, 1, 1e-4);
-}
-
 constexpr double group_noise = 0.1;  ///< standard deviation of a group's pixel
 
 /// A layer of radiance 1 + `shift`, whose groups estimate the bias as `bias` with noise.

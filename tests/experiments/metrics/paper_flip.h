@@ -139,10 +139,8 @@ inline std::vector<double> strength(const Image& image, const SquareKernel& kern
     return strengths;
 }
 
-enum class Terms { all, color };
-
-/// The error of each pixel, from 0 to 1; `color` leaves out the exponent of the features.
-inline std::vector<double> flip(const Image& test, const Image& reference, double pixels_per_degree, Terms terms) {
+/// The error of each pixel, from 0 to 1.
+inline std::vector<double> flip(const Image& test, const Image& reference, double pixels_per_degree) {
     const double deviation = 0.5 * 0.082 * pixels_per_degree;
     const int radius = static_cast<int>(std::ceil(3 * deviation));
     const auto gaussian = [=](int x, int y) { return std::exp(-(x * x + y * y) / (2 * deviation * deviation)); };
@@ -156,7 +154,7 @@ inline std::vector<double> flip(const Image& test, const Image& reference, doubl
     for (std::size_t i = 0; i < test.pixels(); ++i) {
         const double difference = std::max(std::abs(edges_a[i] - edges_b[i]), std::abs(points_a[i] - points_b[i]));
         const double feature = std::sqrt(difference / std::numbers::sqrt2);
-        errors.push_back(std::pow(color_error(a[i], b[i]), terms == Terms::all ? 1 - feature : 1));
+        errors.push_back(std::pow(color_error(a[i], b[i]), 1 - feature));
     }
     return errors;
 }

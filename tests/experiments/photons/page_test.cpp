@@ -86,17 +86,6 @@ TEST(PhotonsPage, HoldsTheBeamsOfTheRun) {
     }
 }
 
-// Photons and beams of three passes are emitted, and the beams of the last one are shown.
-TEST(PhotonsPage, CountsWhatWasEmittedForBeamsOfAllPasses) {
-    const auto fog = shipped_scene("fog.xml", {{}, std::pair{4, 4}});
-    const CollectedLight light = light_of(
-        fog, "progressive_photon_mapper photons=300 volume=beams volume_photons=70 volume_radius=0.1", 1000, 3);
-    EXPECT_EQ(light.beams.emitted, 210u);
-    EXPECT_EQ(light.photons[0].emitted, 900u);
-    EXPECT_EQ(light.beams.beams.size(), light.stored_beams);
-    EXPECT_GT(light.stored_beams, 0u);
-}
-
 TEST(PhotonsPage, AsksForNothingOutsideTheFile) {
     const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{4, 4}});
     const CollectedLight light = light_of(box, "photon_mapper photons=500", 100, 1);
@@ -162,18 +151,6 @@ TEST(PhotonsPage, HoldsTheImageAndWhatItUses) {
     EXPECT_GT(std::ranges::count(reflections, 2), 1000);
 }
 
-TEST(PixelGrid, KeepsEvenlySpacedPixelsWithinTheImage) {
-    for (const auto& [width, height, most] : {std::tuple(7, 5, 100), {7, 5, 12}, {1, 1000, 30}, {3, 2, 1}}) {
-        const PixelGrid grid(width, height, most);
-        EXPECT_LE(grid.count(), static_cast<std::size_t>(most));
-        EXPECT_GE(grid.count(), 1u);
-        EXPECT_LT(grid.x(grid.count() - 1), width);
-        EXPECT_LT(grid.y(grid.count() - 1), height);
-        EXPECT_GE(grid.y(grid.count() - 1), height - 1 - height / grid.rows);
-    }
-    EXPECT_EQ(PixelGrid(7, 5, 35).x(6 + 7 * 4), 6) << "all of them";
-}
-
 TEST(Photons, CommandSaysWhatItShows) {
     const TemporaryFolder folder;
     const std::string box = "'" + source_path("scenes/cornell-box.xml") + "' --resolution 8x8 ";
@@ -232,34 +209,6 @@ TEST(EvenShares, GiveToLargeGroupsWhatSmallOnesLeave) {
             taken += is_at_step(i, 100, shown);
         EXPECT_EQ(taken, shown);
     }
-}
-
-TEST(PhotonSubset, HoldsAllPhotonsIfThereIsRoom) {
-    PhotonSubset subset(100);
-    subset.add(photons_from("global", 40), 0);
-    subset.add(photons_from("global", 20, 40), 1);
-    const auto maps = subset.maps();
-    ASSERT_EQ(maps.size(), 1u);
-    EXPECT_EQ(maps[0].stored, 60u);
-    ASSERT_EQ(maps[0].shown.size(), 60u);
-    EXPECT_EQ(maps[0].mean_power(), 2) << "power 1 in units of 2 W";
-    std::set<float> places;
-    for (const auto& shown : maps[0].shown) {
-        places.insert(shown.photon.p.x());
-        EXPECT_EQ(shown.pass, shown.photon.p.x() < 40.f ? 0u : 1u);
-    }
-    EXPECT_EQ(places.size(), 60u);
-}
-
-TEST(PhotonSubset, SharesItsRoomBetweenMaps) {
-    PhotonSubset subset(1000);
-    subset.add(photons_from("global", 100000), 0);
-    subset.add(photons_from("caustic", 30), 0);
-    const auto maps = subset.maps();
-    ASSERT_EQ(maps.size(), 2u);
-    EXPECT_EQ(maps[0].shown.size(), 970u);
-    EXPECT_EQ(maps[1].shown.size(), 30u);
-    EXPECT_EQ(maps[0].stored, 100000u);
 }
 
 // Chi-square test at alpha = 0.001: photons fall into 16 bins by when they came, in four passes. Of 8000 photons each bin
@@ -331,20 +280,6 @@ TEST(SurfaceTriangles, OfInstancesStandInTheirPlaces) {
         EXPECT_NEAR(from_center.norm(), 2.f, 1e-4f);
         EXPECT_NEAR(from_center.x() / 2, triangles.normals[i][0] / 127.f, 0.006f);
     }
-}
-
-TEST(SurfaceTriangles, SayWhatIsOpaqueAndHowManyAreLeftOut) {
-    const auto glass = shipped_scene("cornell-glass.xml", {{}, std::pair{4, 4}});
-    const SurfaceTriangles all = surface_triangles(*glass.scene, 100000);
-    EXPECT_GT(all.opaque, 0u);
-    EXPECT_LT(all.opaque, all.count()) << "glass";
-    EXPECT_TRUE(std::any_of(all.colors.begin(), all.colors.end(), [](const auto& c) {
-        return c[0] == 255 && c[1] > c[2];  // the lamp
-    }));
-    const SurfaceTriangles few = surface_triangles(*glass.scene, 100);
-    EXPECT_LE(few.count(), 100u);
-    EXPECT_GT(few.count(), 60u);
-    EXPECT_EQ(few.whole, all.whole);
 }
 
 }  // namespace

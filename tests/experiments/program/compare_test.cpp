@@ -67,43 +67,6 @@ TEST_F(Compare, OneImageHasItsErrorsAndNoSplit) {
     EXPECT_TRUE(result["components"].empty());
 }
 
-// With the largest difference between floats over the least epsilon, every number from the replicates stays finite.
-TEST_F(Compare, TheLeastEpsilonGivesNumbers) {
-    constexpr float largest = std::numeric_limits<float>::max();
-    const std::string r = file("r.exr", 0);
-    CompareOptions options{{file("x.exr", largest), file("y.exr", 0), file("z.exr", largest)}, r};
-    options.epsilon = smallest_epsilon;
-    const auto result = json(options);
-    for (const char* key : {"rel_mse", "rel_mse_lo", "rel_mse_hi", "rel_rmse", "rel_mse_corrected"})
-        EXPECT_TRUE(result[key].is_number()) << key;
-    // Relative to the value, the intervals are those of images of 1, 0 and 1.
-    CompareOptions plain{{file("u.exr", 1), options.tests[1], file("w.exr", 1)}, r};
-    plain.epsilon = smallest_epsilon;
-    const auto expected = json(plain);
-    for (const char* key : {"rel_mse_lo", "rel_mse_hi"})
-        EXPECT_NEAR(result[key].get<double>() / result["rel_mse"].get<double>(),
-                    expected[key].get<double>() / expected["rel_mse"].get<double>(), 1e-6)
-            << key;
-    EXPECT_NEAR(result["rel_mse"].get<double>() / (static_cast<double>(largest) * largest / smallest_epsilon), 2. / 3,
-                1e-6);
-    for (const double wrong : {1e-310, 0., -1., 1e61, std::numeric_limits<double>::infinity(), std::nan("")}) {
-        options.epsilon = wrong;
-        EXPECT_THAT(input_error_of([&] { json(options); }), HasSubstr("from 1e-60 to 1e+60"));
-    }
-}
-
-TEST_F(Compare, NoErrorIsAShareOfABlackReference) {
-    const CompareOptions options{{file("x.exr", 2)}, file("black.exr", 0)};
-    const auto result = json(options);
-    for (const char* name : {"rel_mse", "rel_rmse", "rel_mse_lo", "rel_mse_median", "rel_mse_corrected"})
-        EXPECT_TRUE(result[name].is_null()) << name;
-    EXPECT_NEAR(result["rmse"], 2, 1e-12);
-    EXPECT_EQ(result["sentence"], "the reference is black: no error is a share of it");
-    std::ostringstream out;
-    compare(options, out);
-    EXPECT_NE(out.str().find("rel_rmse           -"), std::string::npos);
-}
-
 TEST_F(Compare, ReplicatesAreSplitIntoBiasAndVarianceInEveryComponent) {
     std::mt19937_64 random(4);
     std::normal_distribution<float> normal;
@@ -144,22 +107,6 @@ TEST_F(Compare, NonFiniteValuesAreCountedAndNotHidden) {
     EXPECT_TRUE(result["mse"].is_null() && result["rel_mse"].is_null() && result["bias2"].is_null());
     EXPECT_TRUE(result["flip"].is_null());
     EXPECT_THAT(input_error_of([&] { json({{r}, path}); }), HasSubstr("not finite"));
-}
-
-TEST_F(Compare, TextNamesEpsilonBesideEveryRelativeNumber) {
-    const std::string r = file("r.exr", 2);
-    std::ostringstream out;
-    CompareOptions options{{r}, r};
-    options.epsilon = 0.5;
-    EXPECT_EQ(compare(options, out), 0);
-    std::istringstream lines(out.str());
-    int relative = 0;
-    for (std::string line; std::getline(lines, line);)
-        if (line.find("rel_") != std::string::npos) {
-            ++relative;
-            EXPECT_THAT(line, HasSubstr("epsilon 0.5"));
-        }
-    EXPECT_EQ(relative, 6);
 }
 
 TEST_F(Compare, WrongInputIsAnErrorThatNamesIt) {
@@ -235,15 +182,6 @@ TEST(CompareWords, SayNothingOfTheReferencesNoise) {
         }
 }
 
-TEST(CompareWords, SayWhatIsWithinTheReferencesNoise) {
-    std::vector<Image> groups;
-    for (unsigned seed = 10; seed < 26; ++seed)
-        groups.push_back(picture(seed));
-    const ReferenceLayer reference = layer_of_groups(groups);
-    EXPECT_THAT(comparison_sentence({reference.mean}, reference, Denominators(reference, 0.01)),
-                StartsWith("the rest is within the reference's noise of 1.2"));
-}
-
 TEST(CompareWords, SayWhichWayUpItFits) {
     const Image right = picture(2);
     Image down = right, swapped = right;
@@ -293,13 +231,6 @@ TEST(CompareWords, SeeNoSrgbCurveInRadiance) {
     EXPECT_FALSE(has_srgb_curve(down, reference));
 }
 
-TEST(CompareWords, CallABlackImageBlack) {
-    const Image black = changed(picture(2), [](float) { return 0.f; });
-    EXPECT_THAT(sentence_about(black), StartsWith("black; relative RMSE "));
-    EXPECT_EQ(doubts_about_image(black, picture(1)), "it is black");
-    EXPECT_EQ(doubts_about_image(black, black), "");
-}
-
 TEST(CompareWords, WarnOfImagesThatCannotHoldRadiance) {
     const Image reference = picture(1), image = picture(2);
     EXPECT_EQ(doubts_about_image(image, reference), "");
@@ -314,15 +245,6 @@ TEST(CompareWords, WarnOfImagesThatCannotHoldRadiance) {
     EXPECT_EQ(doubts_about_image(grey, grey), "");
 }
 
-// Red where the image is brighter, blue where it is darker, without colour where it is equal.
-TEST(CompareWords, TheDifferenceHasTheColoursOfBias) {
-    const Image r = constant_image(2.f, 4, 4);
-    const auto color = [&](float value) { return difference_image(constant_image(value, 4, 4), r, 0.01).at(0); };
-    EXPECT_GT(color(3)[0], color(3)[2]);
-    EXPECT_LT(color(1)[0], color(1)[2]);
-    EXPECT_EQ(color(2)[0], color(2)[2]);
-}
-
 TEST_F(Compare, WritesAPictureOfTheDifferenceAndSaysASentence) {
     CompareOptions options{{file("x.exr", 2.4f)}, file("r.exr", 2)};
     options.png = folder_ / "d.png";
@@ -331,11 +253,6 @@ TEST_F(Compare, WritesAPictureOfTheDifferenceAndSaysASentence) {
     EXPECT_THAT(out.str(), StartsWith("1.20 times too bright; scaled, relative RMSE 0"));
     EXPECT_EQ(read_image(options.png).layers.front().second.width, 8);
     EXPECT_EQ(json(options)["sentence"], out.str().substr(0, out.str().find('\n')));
-}
-
-TEST_F(Compare, AMissingFileHasNoLine) {
-    const std::string none = folder_ / "none.exr";
-    EXPECT_EQ(input_error_of([&] { json({{none}, file("r.exr", 2)}); }), none + ": no such file");
 }
 
 }  // namespace

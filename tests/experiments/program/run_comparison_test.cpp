@@ -1,4 +1,5 @@
-// Two runs of an experiment: equal ones are not told apart, unequal ones are, and what does not compare is said.
+// Two runs of an experiment: equal ones do not differ significantly, unequal ones do, and runs that cannot be compared
+// are named with the reason.
 
 #include "experiments/program/run_comparison.h"
 
@@ -13,7 +14,7 @@
 namespace gib::test::run_comparison_test {
 namespace {
 
-/// A run of three methods with skewed errors, one of which is noisier, and times that scatter by 3 %. `slower` and
+/// A run of three methods with skewed errors of unlike scatter, and times that scatter by 3 %. `slower` and
 /// `noisier` are factors of the first method's time and squared error.
 Analysis simulated_run(int seeds, std::mt19937_64& random, double slower = 1, double noisier = 1) {
     std::normal_distribution<double> normal;
@@ -39,8 +40,8 @@ std::size_t count_of(const RunComparison& comparison, ChangeVerdict verdict, con
         }));
 }
 
-// The promise is 5 % of the pairs, for all their numbers together. Of 200 pairs with 5 %, 16 or fewer are told apart with a
-// probability of 98 %.
+// The promise is 5 % of the pairs, for all their numbers together. Of 200 pairs with 5 %, 16 or fewer differ
+// significantly with a probability of 98 %.
 TEST(CompareRuns, EqualRunsAreNotToldApart) {
     for (const int seeds : {2, 3, 5}) {
         std::mt19937_64 random(static_cast<std::uint64_t>(71 + seeds));
@@ -66,19 +67,6 @@ TEST(CompareRuns, AMethodThatTakesTwiceAsLongIsWorse) {
     }
     EXPECT_GE(found, 18);
     EXPECT_LE(others, 4);
-}
-
-TEST(CompareRuns, AnErrorThatHasFallenIsBetter) {
-    std::mt19937_64 random(6);
-    const RunComparison comparison = compare_runs(simulated_run(5, random), simulated_run(5, random, 1, 0.25));
-    const Change& error = comparison.changes.front();
-    EXPECT_EQ(error.method, "a");
-    EXPECT_EQ(error.of, Change::Of::error);
-    EXPECT_EQ(error.verdict, ChangeVerdict::better);
-    EXPECT_NEAR(error.factor.value, 0.5, 0.08);
-    EXPECT_NEAR(error.after / error.before, error.factor.value, 1e-12) << "her own arithmetic";
-    EXPECT_THAT(change_text(comparison), AllOf(HasSubstr("box, a\n"), HasSubstr("better")));
-    EXPECT_EQ(change_table(comparison).rows.size(), comparison.changes.size());
 }
 
 // Equal errors after times that differ by less than machines do.
@@ -136,13 +124,6 @@ TEST(CompareRuns, ErrorsBelowTheNoiseFloorAreSaid) {
     EXPECT_THAT(change_text(comparison), HasSubstr("better; new raised to the references' noise floor\n"));
     EXPECT_EQ(change_table(comparison).rows.front()[12], "yes");
     EXPECT_THAT(change_text(compare_runs(before, before)), Not(HasSubstr("noise floor")));
-}
-
-TEST(CompareRuns, OneSeedTellsNothing) {
-    const Analysis before = analysis_of({run_of("a", 4e-3, 0.5, 16)}),
-                   after = analysis_of({run_of("a", 4e-1, 0.5, 16)});
-    for (const Change& change : compare_runs(before, after).changes)
-        EXPECT_EQ(change.verdict, ChangeVerdict::inconclusive);
 }
 
 TEST(CompareRuns, UnlikeQuantitiesAreSaidAndNotCompared) {

@@ -74,7 +74,7 @@ TEST(Contradiction, IsAnyLightWhereTheReferenceIsBlack) {
     EXPECT_TRUE(contradictions(reference, images_of(random, 1, 1, 1e-6), {}).empty());
 }
 
-// At a level of 1e-4: 400 experiments with 2 components, of which 0.08 may fail.
+// At a level of 1e-4, 400 experiments with 2 components have 0.08 false alarms on average.
 TEST(Contradiction, IsSeldomAFalseAlarm) {
     std::mt19937_64 random(4);
     int found = 0;

@@ -247,22 +247,13 @@ TEST(MethodAgreement, ComparesThePilotsWithTheReference) {
     }
 }
 
-TEST(ReferenceMethods, AreAllUnbiasedOnesForAuto) {
-    std::vector<std::string> names;
-    for (const MethodDescription* method : reference_methods(MethodLabel{"auto", {}}))
-        names.push_back(method->name);
-    EXPECT_EQ(names, (std::vector<std::string>{"path", "light_tracer", "bidirectional", "manifold_path"}));
-    EXPECT_EQ(reference_methods(MethodLabel::parse("auto max_depth=3")).size(), 4u);
-    for (const char* wrong : {"auto spp=3", "auto photons=3", "best"})
-        EXPECT_THROW(reference_methods(MethodLabel::parse(wrong)), InputError) << wrong;
-}
-
 // Light of a point through glass, seen through the same glass: bidirectional path tracing leaves it out, and merging makes
 // the rest.
 TEST(ReferenceMethod, TakesTheRemainder) {
     const auto scene = room({.light = lit_rooms::point, .glossy_wall = "", .ball = lit_rooms::glass_ball});
-    const MethodDescription& method = find_method("bidirectional");
-    const ReferenceMethod alone(method, {"bidirectional", {}}, scene, false), both(method, {"auto", {}}, scene, true);
+    const MethodDescription& description = find_method("bidirectional");
+    const ReferenceMethod alone(description, {"bidirectional", {}}, scene, false),
+        both(description, {"auto", {}}, scene, true);
     EXPECT_FALSE(alone.unresolved().empty());
     EXPECT_TRUE(both.unresolved().empty());
     EXPECT_EQ(both.name(), "bidirectional+vcm");
@@ -278,7 +269,7 @@ TEST(ReferenceMethod, TakesTheRemainder) {
     EXPECT_NE(later[Component::caustic]->rgb, whole[Component::caustic]->rgb);
     // Nothing remains under a lamp.
     const auto lit = room({.light = lit_rooms::lamp, .ball = lit_rooms::glass_ball});
-    EXPECT_FALSE(ReferenceMethod(method, {"auto", {}}, lit, true).makes_remainder());
+    EXPECT_FALSE(ReferenceMethod(description, {"auto", {}}, lit, true).makes_remainder());
 }
 
 }  // namespace

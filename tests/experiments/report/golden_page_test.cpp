@@ -46,7 +46,8 @@ std::vector<Cell> cells() {
     add_runs(cells, "box", "radiosity", 1e-3, 0.01, 0.08, 4e-4);
     add_runs(cells, "box", "vcm", 1e-3, 0.9, 1.8);
     add_runs(cells, "box", "tracer scene=1", 2e-2, 0.02, 0.64);
-    // The first one is not run as long as the others need to reach the smaller errors; the last two tie.
+    // The first run ends before the times at which the others reach the smaller errors; the last two do not differ
+    // significantly.
     add_runs(cells, "hall", "path spp=16", 1e-2, 0.5, 8, 4.25e-3);
     add_runs(cells, "hall", "vcm", 1e-1, 0.5, 64);
     add_runs(cells, "hall", "radiosity", 1.0001e-1, 0.5, 64);

@@ -91,14 +91,6 @@ TEST(Html, TextCannotBecomeMarkup) {
     EXPECT_EQ(script_safe_code("x = '</script>';"), "x = '<\\/script>';");
 }
 
-TEST(Frames, AreThoseOfSeedOneAtPowersOfTwo) {
-    std::vector<std::uint32_t> kept;
-    for (std::uint32_t passes = 1; passes <= 32; ++passes)
-        if (keeps_frame(1, passes, 32)) kept.push_back(passes);
-    EXPECT_THAT(kept, ElementsAre(1, 2, 4, 8, 16)) << "32 is the final image";
-    EXPECT_FALSE(keeps_frame(2, 1, 32));
-}
-
 TEST(Frames, AreReducedToMeansOfBlocks) {
     EXPECT_EQ(reduction_for(512, 300, 512), 1);
     EXPECT_EQ(reduction_for(300, 1025, 512), 3);
@@ -235,17 +227,6 @@ TEST_F(ReportPageTest, KeepsToItsBudget) {
     const json& part = smaller.scenes["tiny"]["images"][2]["parts"]["direct"];
     EXPECT_EQ(pixels(smaller.elements, part).size(),
               3 * part["width"].get<std::size_t>() * part["height"].get<std::size_t>());
-}
-
-TEST_F(ReportPageTest, FoldersWithoutFramesHaveAReport) {
-    TemporaryFolder copy;
-    fs::copy(folder_->path(), copy / "results", fs::copy_options::recursive);
-    for (const auto& cell : fs::directory_iterator(copy / "results/cells"))
-        fs::remove_all(cell.path() / "frames");
-    const ResultFolder old(copy / "results");
-    const ReportPictures pictures = report_pictures(analyse(old), old);
-    EXPECT_TRUE(pictures.scenes["tiny"]["images"][2]["frames"].empty());
-    EXPECT_THAT(pictures.note, HasSubstr("the final image is shown"));
 }
 
 TEST(FlipMapValues, ComeBackFromAPicture) {

@@ -56,8 +56,7 @@ TEST_F(BalanceRun, FlagsAMethodThatIsOnePercentTooBright) {
     EXPECT_LT(text.find("## Energy balance"), text.find("## Errors")) << "before any number";
 }
 
-// Three black images of an unbiased method tell no interval of what it makes on average: rare bright paths are missing in
-// all of them.
+// Three black images of an unbiased method give no interval of its mean: rare bright paths are missing in all of them.
 TEST_F(BalanceRun, EqualImagesOfAnUnbiasedMethodAreInconclusive) {
     write("e.toml",
           "title = 'EnergyBalance'\nscenes = ['tiny.xml']\nseeds = 3\n[reference]\ntarget = '5%'\n"

@@ -126,18 +126,5 @@ TEST(HalvingSearch, DropsWhatCannotWin) {
     EXPECT_EQ(sizes.size(), 1u) << "all others seem to take 100 times as long";
 }
 
-TEST(HalvingSearch, MeasuresTheDefaultsAloneWithoutParameters) {
-    const SearchSpace path({"path", {}}, {});
-    int runs = 0;
-    const auto outcome = search(path, 60, [&](const auto& settings, std::uint64_t, double) {
-        runs += static_cast<int>(settings.size());
-        return std::vector<std::optional<TimeEstimate>>(settings.size(), TimeEstimate{3, true});
-    });
-    EXPECT_EQ(runs, 1);
-    ASSERT_EQ(outcome.trials.size(), 1u);
-    EXPECT_EQ(outcome.trials.front().time.seconds, 3);
-    EXPECT_FALSE(outcome.is_cut);
-}
-
 }  // namespace
 }  // namespace gib::test::halving_search_test

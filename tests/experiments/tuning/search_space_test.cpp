@@ -17,19 +17,6 @@ SearchSpace space_of(const std::string& label, const std::vector<Variation>& var
     return {label_of(label), tuning_axes(label_of(label), variations)};
 }
 
-/// The setting of these values, which stand in a label behind the base's own.
-Setting setting_in(const SearchSpace& space, const std::string& values) {
-    Setting setting = space.defaults();
-    for (const auto& [name, value] : label_of("any " + values).values)
-        for (std::size_t d = 0; d < space.axes().size(); ++d) {
-            const TuningAxis& axis = space.axes()[d];
-            if (axis.name != name) continue;
-            const auto word = std::find(axis.words.begin(), axis.words.end(), value);
-            setting[d] = word != axis.words.end() ? static_cast<double>(word - axis.words.begin()) : std::stod(value);
-        }
-    return setting;
-}
-
 const TuningAxis& axis_named(const SearchSpace& space, const std::string& name) {
     return *std::find_if(space.axes().begin(), space.axes().end(), [&](const TuningAxis& a) { return a.name == name; });
 }
@@ -46,14 +33,6 @@ TEST(SearchSpace, IsWhatTheParametersDeclare) {
     EXPECT_THAT(axis_named(space, "cache").words, ElementsAre("off", "on"));
     EXPECT_TRUE(space_of("path").axes().empty());
     EXPECT_EQ(space_of("photon_mapper k=80").axes().size(), 6u) << "a given parameter stays";
-}
-
-TEST(SearchSpace, LabelsHaveNumbersOfTwoDigits) {
-    const SearchSpace space = space_of("photon_mapper");
-    EXPECT_EQ(space.label(setting_in(space, "photons=32000 gather=64 cache=on accuracy=0.3")).text(),
-              "photon_mapper photons=32000 gather=64 cache=on accuracy=0.3");
-    EXPECT_EQ(axis_named(space, "photons").text(axis_named(space, "photons").rounded(123456)), "120000");
-    EXPECT_EQ(axis_named(space, "accuracy").text(axis_named(space, "accuracy").rounded(0.1549)), "0.15");
 }
 
 TEST(SearchSpace, ADefaultApartFromItsSpanHasAQuarter) {

@@ -75,24 +75,6 @@ TEST(TuningResult, PrefersMethodsThatLeaveOutNothing) {
     EXPECT_EQ(result.best()->method, 0u) << "none makes all light";
 }
 
-TEST(TuningResult, HasItsNumbersAsJson) {
-    const auto numbers = nlohmann::json::parse(tuning_json(example()));
-    EXPECT_EQ(numbers["best"], 0);
-    const auto& method = numbers["methods"][0];
-    EXPECT_EQ(method["paste"], "photon_mapper photons=10000 spp=100");
-    EXPECT_EQ(method["state"], "measured");
-    EXPECT_NEAR(method["seconds"].get<double>(), 1, 1e-3);
-    EXPECT_EQ(method["parameters"][0]["name"], "photons");
-    EXPECT_EQ(method["settings"][0]["values"][0], 10000);
-    EXPECT_EQ(method["settings"][1]["values"][0], 1000000) << "the default counts";
-    EXPECT_TRUE(method["settings"][2]["seconds"].is_null()) << "never";
-    // The accuracy of the cache has no effect without the cache, and the cache none without gathering.
-    for (std::size_t p = 0; p < method["parameters"].size(); ++p)
-        EXPECT_EQ(method["settings"][0]["values"][p].is_null(),
-                  method["parameters"][p]["name"] == "accuracy" || method["parameters"][p]["name"] == "cache")
-            << p;
-}
-
 class TuneRun : public ::testing::Test, protected ExperimentFolder {
 protected:
     TuneRun() {
@@ -228,14 +210,8 @@ TEST_F(TuneRun, TakesNumbersThatAreNotThoseOfToml) {
     EXPECT_THAT(read_file(path("r/table.csv")), HasSubstr("photon_mapper photons=1000 "));
 }
 
-TEST_F(TuneRun, RefusesOptionsOfCells) {
-    for (const char* option : {"--seeds 3", "--fresh", "--only nothing"})
-        EXPECT_EQ(gibench(std::string("run e.toml ") + option).code, 2);
-    EXPECT_FALSE(fs::exists(path("results")));
-}
-
 TEST_F(TuneRun, BeginsNoCellWhenItsTimeIsUsedUp) {
-    // In 2.4 s there is no time for 71 settings, some of which trace 1e7 photons.
+    // In 2.4 s there is no time for 71 settings, as some trace 1e7 photons.
     const ProgramResult result = gibench("tune tiny.xml --target 30% --minutes 0.04 --method photon_mapper --out r");
     EXPECT_THAT(result.err, HasSubstr("no time is left for "));
     EXPECT_LT(cells_in("r"), 71u);

@@ -153,7 +153,7 @@ TEST(Verdict, OfAFewPointsOfAMethodWithBiasHasNoUpperEnd) {
     EXPECT_EQ(far.seconds.interval->lo, 400);
 }
 
-// An error that does not fall tells no time, not even the least one.
+// An error that does not fall gives no time, not even a lower bound.
 TEST(Verdict, OfAMethodWithBiasWhoseErrorStandsIsAsLongAsItsRuns) {
     std::vector<Cell> runs = {run_at(1, 0.15, 6), run_at(1, 0.15, 6, 1.1)};
     for (Cell& run : runs)
@@ -180,8 +180,6 @@ TEST(Verdict, ExtrapolatedIntervalsHoldTheTruth) {
     }
     EXPECT_GE(held, 180) << "of 200, with a coverage of 95 %";
 }
-
-TEST(Verdict, WithoutARunThereIsNone) { EXPECT_EQ(verdict_of({}, 0.1, true).state, Verdict::no_image); }
 
 }  // namespace
 }  // namespace gib::test::tuning_time_test

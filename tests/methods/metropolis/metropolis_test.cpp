@@ -15,33 +15,36 @@ namespace {
 
 using namespace lit_rooms;
 
-float number(PrimarySample& sample, std::uint64_t path, std::uint32_t block) { return sample.block(path, block)[3]; }
+/// A number of a state; a proposal has fresh numbers of its own.
+float number(PrimarySample& sample, std::uint32_t proposal, std::uint32_t block, std::uint64_t seed = 1) {
+    return sample.block(5, block, Sampler(PointSet::independent, seed, block, proposal).at_vertex(0).all())[3];
+}
 
 TEST(PrimarySample, IsWhatItWasAfterARejectedStep) {
     for (const bool is_large : {false, true}) {
-        PrimarySample sample(1, 2);
-        const float kept = number(sample, 5, 0);
+        PrimarySample sample;
+        const float kept = number(sample, 0, 0);
         sample.accept();
         sample.propose(is_large);
-        EXPECT_NE(number(sample, 5, 0), kept);
-        const float new_block = number(sample, 5, 1);
+        EXPECT_NE(number(sample, 1, 0), kept);
+        const float new_block = number(sample, 1, 1);
         sample.reject();
-        EXPECT_EQ(number(sample, 5, 0), kept);
+        EXPECT_EQ(number(sample, 1, 0), kept);
         // Numbers that only a rejected step has seen are forgotten.
         sample.propose(false);
-        EXPECT_NE(number(sample, 5, 1), new_block);
+        EXPECT_GT(std::abs(number(sample, 2, 1) - new_block), 1.f / 64);
     }
 }
 
 TEST(PrimarySample, SmallStepsHaveTheLengthsOfKelemen) {
-    PrimarySample sample(1, 2);
+    PrimarySample sample;
     double below_the_middle = 0;
-    constexpr int steps = 20000;
-    for (int i = 0; i < steps; ++i) {
-        const float before = number(sample, 0, 0);
+    constexpr std::uint32_t steps = 20000;
+    for (std::uint32_t i = 0; i < steps; ++i) {
+        const float before = number(sample, i, 0);
         sample.accept();
         sample.propose(false);
-        float step = std::abs(number(sample, 0, 0) - before);
+        float step = std::abs(number(sample, i + 1, 0) - before);
         step = std::min(step, 1 - step);
         EXPECT_GE(step, 0.99f / 1024);
         EXPECT_LE(step, 1.01f / 64);
@@ -57,21 +60,22 @@ TEST(PrimarySample, ChainsSampleAGivenDensity) {
     constexpr int chains = 64, steps = 4000, parts = 8;
     std::array<double, parts> mean{}, mean_of_squares{};
     for (int chain = 0; chain < chains; ++chain) {
-        PrimarySample sample(static_cast<std::uint64_t>(chain), 1000 + static_cast<std::uint64_t>(chain));
+        PrimarySample sample;
+        const auto seed = static_cast<std::uint64_t>(chain);
         std::array<double, parts> share{};
-        float u = number(sample, 0, 0);
+        float u = number(sample, 0, 0, seed);
         sample.accept();
         for (std::uint32_t step = 0; step < steps; ++step) {
-            const Vec2 choice = Sampler(PointSet::independent, static_cast<std::uint64_t>(chain), 7, step).get_2d(0);
+            const Vec2 choice = Sampler(PointSet::independent, seed, 7, step).get_2d(0);
             sample.propose(choice.x() < 0.3f);
-            const float next = number(sample, 0, 0);
-            if (step % 3 == 0) number(sample, 0, 1);
+            const float next = number(sample, step + 1, 0, seed);
+            if (step % 3 == 0) number(sample, step + 1, 1, seed);
             if (choice.y() < next / u) {
                 sample.accept();
                 u = next;
             } else {
                 sample.reject();
-                ASSERT_EQ(number(sample, 0, 0), u);
+                ASSERT_EQ(number(sample, step + 1, 0, seed), u);
             }
             share[static_cast<std::size_t>(u * parts)] += 1. / steps;
         }

@@ -54,17 +54,6 @@ Plan plan_of(const char* file, const std::string& options = "") {
     return ConfiguredMethod(MethodLabel::parse("photon_mapper" + options)).create({})->plan(*shipped_scene(file).scene);
 }
 
-TEST(PhotonMapper, PlanSaysWhatIsSkippedAndWhy) {
-    const Plan box = plan_of("cornell-box.xml"), glass = plan_of("cornell-glass.xml");
-    EXPECT_FALSE(box.runs("caustic map"));
-    EXPECT_FALSE(box.runs("specular paths"));
-    EXPECT_TRUE(box.runs("global map"));
-    EXPECT_TRUE(glass.runs("caustic map"));
-    EXPECT_TRUE(glass.runs("specular paths"));
-    for (const auto& step : box.steps)
-        EXPECT_NE(step.runs, !step.reason.empty()) << step.name;
-}
-
 // Every path class is counted once. Emission, direct, caustic and indirect light each agree with the
 // path tracer's within 1 %, which the density estimate may blur, and four standard errors of
 // independent runs (each at most 3 % of the light).
@@ -293,14 +282,6 @@ std::vector<std::string> combinations() {
             label.replace(label.find("gather=32"), 9, "gather=8");
     labels.insert(labels.end(), gathered.begin(), gathered.end());
     return labels;
-}
-
-TEST(PhotonOptions, CoverWhatTheTableOffers) {
-    const auto labels = combinations();
-    EXPECT_GE(labels.size(), 16u);
-    for (const char* option : {"k=auto", "kernel=cone", "kernel=gaussian", "area=plain"})
-        EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [&](const auto& label) { return has(label, option); }))
-            << option;
 }
 
 TEST(PhotonOptions, WithoutEffectAreRefused) {

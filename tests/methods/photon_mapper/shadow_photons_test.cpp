@@ -200,18 +200,5 @@ TEST(ShadowPhotons, ImagesAreTheSameForAnyNumberOfThreads) {
         EXPECT_EQ(one.rgb, (*render(scene, label("1e5"), 1, 1, threads)[Component::direct]).rgb) << threads;
 }
 
-TEST(ShadowPhotons, PlanSaysWhereTheyAreSkippedAndWhy) {
-    const auto reason_of = [](const char* file, const std::string& text) {
-        const Plan plan = ConfiguredMethod(MethodLabel::parse(text)).create({})->plan(*shipped_scene(file).scene);
-        for (const auto& step : plan.steps)
-            if (step.name == step_shadow_map) return step.runs ? std::string("runs") : step.reason;
-        return std::string();
-    };
-    EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper shadow_photons=1e4"), "runs");
-    EXPECT_EQ(reason_of("many-lights.xml", "photon_mapper"), "no photons are asked for");
-    EXPECT_EQ(reason_of("many-lights.xml", label("1e4", "max_depth=1")), "lights are not sampled");
-    EXPECT_EQ(reason_of("fog.xml", label("1e4")), "media dim light on its way, which only rays can tell");
-}
-
 }  // namespace
 }  // namespace gib::test::shadow_photons_test

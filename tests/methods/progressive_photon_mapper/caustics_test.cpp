@@ -42,8 +42,7 @@ TEST(ShrinkingRadius, StartsAtTheDensityOfPhotons) {
     const SeenPlaces places = seen_places(*scene.scene, {3, false, false}, 1, rays);
     EXPECT_EQ(places.on_surfaces.size(), 8192u);
     EXPECT_EQ(rays, 8192u);
-    const double r =
-        first_radius(PhotonMap(walk.photons, walk.unit), 1, places.on_surfaces, 10, 2, scene.scene->diagonal());
+    const double r = first_radius(walk.photons, 1, places.on_surfaces, 10, 2, scene.scene->diagonal());
     EXPECT_LT(std::numbers::pi * r * r * lambda, 10.3);
     EXPECT_GT(std::numbers::pi * r * r * lambda, 4.9);
 }
@@ -71,7 +70,7 @@ TEST(ShrinkingRadius, StartsWhereBiasAndVarianceBalance) {
                                     static_cast<float>(0.1 + 0.8 * number(random)), 0.f);
             const double expected =
                 std::pow(64 / (3 * std::numbers::pi * 0.25 * count / passes * std::pow(k, 4)), 1.0 / 6);
-            const double r = first_radius(PhotonMap(photons, 1), passes, places, 1e9, 2, 1.4f);
+            const double r = first_radius(photons, passes, places, 1e9, 2, 1.4f);
             EXPECT_LT(r / expected, std::numbers::sqrt2)
                 << waves << " waves, " << count << " photons, " << passes << " passes";
             EXPECT_GT(r / expected, 1 / std::numbers::sqrt2)

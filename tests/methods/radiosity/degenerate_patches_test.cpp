@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Table, EverySolver, testing::ValuesIn(solver_cases()), 
 // All light that the walls of a closed room send arrives, so the power of all reflections is that of the first over
 // 1 - rho. A converged solution lacks at most 1e-4 (1 + rho + rho^2 + ...) of the first, and rows that are off by
 // 1e-7 change the share that is lost by as much. The number of sweeps is bounded: after n sweeps, 2^(n + 2) reflections
-// are summed, of which each leaves rho of the light; Cholesky's factors take one sweep.
+// are summed, and each leaves rho of the light; Cholesky's factors take one sweep.
 TEST_P(EverySolver, FindsTheGeometricSeriesUpToAnAlbedoOf0_9999) {
     for (const double rho : {0.0, 0.5, 0.99, 0.9999}) {
         const PatchedScene scene(closed_room(GetParam().shape, rho), GetParam().shape == "cube" ? 2.1 : 1.3);

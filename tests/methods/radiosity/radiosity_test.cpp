@@ -263,20 +263,5 @@ TEST(Radiosity, RefusesWhatDoesNotFitBeforeItIsMade) {
         }
 }
 
-TEST(Radiosity, NamesWhatItLeavesOut) {
-    const auto scene = shipped_scene("cornell-glass.xml");
-    const auto plan = ConfiguredMethod(MethodLabel{"radiosity", {}}).create({})->plan(*scene.scene);
-    for (const Effect e : {Effect::specular_reflection, Effect::refraction, Effect::caustics})
-        EXPECT_TRUE(plan.missing.has(e)) << name_of(e);
-    EXPECT_THAT(plan.unresolved, testing::IsSupersetOf({Component::direct, Component::indirect, Component::caustic}));
-    EXPECT_TRUE(plan.runs("patches and links"));
-    EXPECT_FALSE(plan.runs("final gather"));
-}
-
-TEST(Radiosity, LinksAreOfTheHierarchicalSolverOnly) {
-    const auto scene = seen_from_inside(room);
-    EXPECT_THROW(facts_of(scene, "radiosity solver=direct links=0.1", 1), InputError);
-}
-
 }  // namespace
 }  // namespace gib::test::radiosity_test

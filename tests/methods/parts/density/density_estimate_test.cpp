@@ -1,5 +1,6 @@
 // Kernels and density estimates on surfaces and in media: bias, variance, and which photons count.
 #include "methods/parts/density/density_estimate.h"
+#include "methods/parts/density/surface_disc.h"
 #include "methods/parts/density/volume_estimate.h"
 #include "tests/methods/parts/density/density_fixtures.h"
 
@@ -49,16 +50,6 @@ Moments on_even_photons(const DensityEstimator& estimator, std::uint64_t look_up
                                   return photons;
                               },
                               {eyes})[0][0];
-}
-
-// The relative deviation of one look-up is 1 / sqrt(k - 2) for the uniform kernel. With 4e5, 6e4, 2.4e4 and 8e3
-// look-ups, 0.3 % is three standard errors or more (alpha < 0.003 each). An estimate from k photons instead of k - 1
-// would be off by 25, 5, 2 and 0.5 %.
-TEST(DensityEstimate, UniformPhotonsOfKnownDensityAreEstimatedWithoutBias) {
-    const std::vector<std::pair<std::size_t, std::uint64_t>> cases = {
-        {5, 400000}, {20, 60000}, {50, 24000}, {200, 8000}};
-    for (const auto& [k, look_ups] : cases)
-        EXPECT_NEAR(on_even_photons({Kernel::uniform, k, 1.f, DiscArea::plain}, look_ups).mean(), 1.0, 0.003) << k;
 }
 
 // For k = 5 the variance of one look-up is 4/3 (1 + v / 4) - 1, where v is the variance of a kernel's weights: 0,
@@ -135,22 +126,6 @@ TEST(DensityEstimate, DoesNotDependOnTheLookUpsBefore) {
     EXPECT_GT(radiance(100, &last), 1.5f * radiance(2, nullptr));
     EXPECT_LT(last.radius, 0.5f);
     EXPECT_FLOAT_EQ(radiance(2, &last), radiance(2, nullptr));
-}
-
-// A fixed radius counts all photons within it, however many there are, and stores none.
-TEST(DensityEstimate, AFixedRadiusCountsAllPhotonsInBoundedMemory) {
-    std::vector<Photon> photons;
-    spread(photons, 200000, Vec3(-1, -1, 0), Vec3(2, 0, 0), Vec3(0, 2, 0), up, 4.f, 1);
-    for (std::size_t i = 0; i < kernel_names.size(); ++i) {
-        const auto kernel = static_cast<Kernel>(i);
-        double expected = 0;
-        for (const Photon& p : photons)
-            if (p.p.squaredNorm() <= 0.25f)
-                expected += static_cast<double>(p.power()[0]) *
-                            static_cast<double>(kernel_weight(kernel, p.p.squaredNorm(), 0.5f)) / std::numbers::pi;
-        FewPhotons few;
-        EXPECT_NEAR(few.radiance({kernel, all_photons, 0.5f, DiscArea::surface}, photons), expected, 1e-5 * expected);
-    }
 }
 
 // The bound of the normals' ratio loses the share sin^2(delta) / 200 of even light, to second order in delta. Without

@@ -10,7 +10,7 @@ namespace {
 float radius_at(const LoadedScene& scene, const Ray& ray) {
     RayQueries rays(*scene.scene);
     const auto hit = scene.scene->intersect(ray);
-    return PlaceRadius{.largest = 1.f}.share(rays, *hit, -ray.d);
+    return share_of_radius_at(rays, *hit, -ray.d, 1.f);
 }
 
 // The normal of a sphere has turned by acos(0.9) at the distance 0.436 R from the axis. Halving stops between half of it and it.
@@ -48,23 +48,6 @@ TEST(PlaceRadius, IsUnboundedAtAStraightEdge) {
         const Vec2 p(4.999f * c - 0.3f * s, 4.999f * s + 0.3f * c);
         EXPECT_EQ(radius_at(scene, down_at(p.x(), p.y())), 1.f) << turned;
     }
-}
-
-// Along a rod no more than two of eight directions stay on it for long: another one is at least 22.5 degrees off, and leaves
-// the part whose normal agrees, 25.8 degrees to either side, after sin(25.8) / sin(22.5) of its radius.
-TEST(PlaceRadius, OfARodIsItsThickness) {
-    const LoadedScene scene = scene_of_shapes(
-        shape("cylinder", test::point("p0", -3, 0, 0), test::point("p1", 3, 0, 0), radius(0.02), diffuse(1.0)));
-    const float r = radius_at(scene, down_at(0.1f, 0.003f));
-    EXPECT_LE(r, 0.0228f);
-    EXPECT_GE(r, 0.004f);
-}
-
-// Fog may end along a wall; as seen from the wall, nothing is there.
-TEST(PlaceRadius, IsNotBoundedWhereAMediumEnds) {
-    const LoadedScene scene = scene_of_shapes(
-        white("rectangle", scale(5)) + shape("rectangle", to_world(scale(5), translate(0, 0, 0.001)), bsdf("null")));
-    EXPECT_EQ(radius_at(scene, down_at(0.3f, 0.2f, 0.0005f)), 1.f);
 }
 
 }  // namespace

@@ -264,16 +264,6 @@ TEST(FlatRegions, EndWhereASurfaceThatIsThereTwiceEnds) {
         });
 }
 
-TEST(FlatRegions, EndUnderASphere) {
-    const LoadedScene loaded =
-        seen_in_parallel(white("rectangle") + white("sphere", scale(0.5) + translate(0, 0, 0.55)) +
-                         white("sphere", scale(0.5) + translate(0, 0, -0.55)));
-    const FlatRegions regions(*loaded.scene, 32);
-    const auto hit = loaded.scene->intersect(down_at(0.02f, 0.02f, 0.04f));
-    ASSERT_TRUE(hit);
-    EXPECT_FALSE(regions.flat_around(*hit, 0.06f));
-}
-
 // Rays would have found nothing where the grid says that there is nothing, so that no bit changes.
 TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     const LoadedScene loaded = shipped_scene("cornell-box.xml", {{}, std::pair{32, 32}});
@@ -284,7 +274,7 @@ TEST(FlatRegions, ChangeNoLookUpAndSaveMostOfItsRays) {
     for (const std::size_t count : {std::size_t{50}, all_photons}) {
         DensityEstimator with{Kernel::uniform, count, 0.01f * scene.diagonal(), DiscArea::surface};
         const DensityEstimator without = with;
-        with.by_place.flat = &regions;
+        with.flat = &regions;
         RayQueries rays(scene), probed(scene);
         for (int y = 0; y < 32; ++y)
             for (int x = 0; x < 32; ++x) {

@@ -2,6 +2,7 @@
 #include "methods/parts/emission/light_emission.h"
 
 #include "common/scene/scene.h"
+#include "methods/parts/emission/projection_map.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/moments.h"
 

@@ -404,20 +404,5 @@ TEST(ProjectionMap, FindsWhatInstancesShow) {
     EXPECT_GT(met, 300);
 }
 
-TEST(ProjectionMap, ThePlanSaysWhyItIsSkipped) {
-    const auto step_of = [](const LoadedScene& scene, const std::string& pass, const std::string& projection) {
-        const MethodLabel label{"photon_mapper", {{"projection", projection}}};
-        for (const auto& step : ConfiguredMethod(label).create({})->plan(*scene.scene).steps)
-            if (step.name == "projection map of the " + pass + " map") return step.runs ? "runs" : step.reason;
-        return std::string("no such step");
-    };
-    const auto glass = shipped_scene("cornell-glass.xml");
-    EXPECT_EQ(step_of(glass, "caustic", "on"), "runs");
-    EXPECT_EQ(step_of(glass, "caustic", "off"), "projection=off");
-    EXPECT_EQ(step_of(shipped_scene("cornell-box.xml"), "caustic", "on"), "its map is not run");
-    EXPECT_EQ(step_of(glass, "global", "on"), "runs");
-    EXPECT_EQ(step_of(shipped_scene("fog.xml"), "global", "on"), "light may be scattered in a medium without an end");
-}
-
 }  // namespace
 }  // namespace gib::test::projection_map_test

@@ -165,8 +165,8 @@ std::string needles(const TemporaryFolder& folder) {
 }
 
 // In the furnace's corner, walls are seen at distances down to 0. Half of the radiance 1 is emitted and a quarter is
-// light that comes straight from the walls; the remaining quarter is indirect. White needles reflect all light, half
-// of which comes straight from the walls. Records are made of paths, so that only their noise is left: the mean of
+// light that comes straight from the walls; the remaining quarter is indirect. White needles reflect all light, and
+// half of it comes straight from the walls. Records are made of paths, so that only their noise is left: the mean of
 // eight seeds deviates by 5.4 of its standard errors once in a thousand times (Student's t of 7).
 TEST(DegenerateCache, CornersAndNeedlesHaveTheRadianceOfTheFurnace) {
     const TemporaryFolder folder;

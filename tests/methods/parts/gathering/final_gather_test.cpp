@@ -97,20 +97,5 @@ TEST(FinalGather, LeaksNotThroughThinWalls) {
         EXPECT_LT(relative_error(*render(wall, photons + way, 4)[Component::indirect], truth), estimate) << way;
 }
 
-// In a furnace of albedo 1/2, the indirect light is 1/4 of the radiance at every point: there is no gradient and no
-// blur. An estimate by k = 50 photons deviates by 1 / sqrt(48) = 14 % (Gamma(k)). A pixel is the mean of many
-// estimates, 4 or more of which do not overlap.
-TEST(FinalGather, FurnaceIsEven) {
-    const auto furnace = shipped_scene("furnace.xml", {{}, std::pair{16, 16}});
-    for (const auto& way : ways) {
-        const Image indirect = *render(furnace, "photon_mapper photons=100000 " + way, 4)[Component::indirect];
-        EXPECT_NEAR(4 * mean_of(indirect).mean(), 1, 0.015) << way;
-        double squares = 0;
-        for (const float x : indirect.rgb)
-            squares += sqr(4 * static_cast<double>(x) - 1) / static_cast<double>(indirect.rgb.size());
-        EXPECT_LT(std::sqrt(squares), 0.14 / 2) << way;
-    }
-}
-
 }  // namespace
 }  // namespace gib::test::final_gather_test

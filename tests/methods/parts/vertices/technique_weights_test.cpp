@@ -1,5 +1,5 @@
-// The weights of all techniques of a path, against the densities of these techniques, listed one by one; and the starts of light
-// walks, half of which are aimed at specular surfaces.
+// The weights of all techniques of a path, against the densities of these techniques, listed one by one. Half of the
+// starts of light walks are aimed at specular surfaces.
 
 #include "methods/parts/emission/light_emission.h"
 #include "methods/parts/vertices/camera_walk.h"
@@ -172,7 +172,7 @@ void expect_weights(const LoadedScene& loaded, const Rule& added = {}, std::size
     EXPECT_GT(checked, 200u);
 }
 
-const MergeRadii merging = {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .by_place = {0.5f}};
+const MergeRadii merging = {.light_paths = 4, .on_surfaces = 0.5, .in_media = 0.5, .largest_by_place = 0.5f};
 
 // Breaking any factor of the recursion or of a connection's weight makes one of these fail.
 TEST(TechniqueWeights, OfLightsWithASurfaceAreThoseOfTheDensities) {

@@ -1,4 +1,4 @@
-#include "methods/parts/vertices/technique_pyramid.h"
+#include "methods/bidirectional/technique_pyramid.h"
 
 #include <fmt/format.h>
 

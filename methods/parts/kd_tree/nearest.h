@@ -1,7 +1,9 @@
 #pragma once
-// A buffer that keeps the k nearest of the candidates that a search finds.
+// Search of a kd-tree for the points nearest to a place (Jensen 2001, section 6.4), and the buffer that keeps the k nearest of the
+// candidates on the way.
 
 #include "common/core/math.h"
+#include "methods/parts/kd_tree/kd_tree.h"
 #include "methods/parts/kd_tree/selection.h"
 
 #include <algorithm>
@@ -9,6 +11,7 @@
 #include <bit>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -151,5 +154,38 @@ private:
     std::size_t nearer_ = 0;             ///< number of candidates in buckets up to this one
     std::array<std::uint32_t, buckets> count_;
 };
+
+/// Finds the k points nearest to p within `max_distance` [scene units] for which accept(point, distance2) holds, or all of
+/// these if there are fewer. Their order is arbitrary, but if there are k, the LAST one is the farthest. Of points at equal
+/// distance the one with the lower index counts as nearer. `neighbours` is cleared first and keeps its memory. accept is called
+/// only for points within the largest distance that still matters.
+template <typename Point, typename Accept>
+void find_nearest(const KdTree<Point>& tree, const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
+                  std::vector<Neighbour>& neighbours) {
+    NearestBuffer buffer(k, max_distance, neighbours);
+    if (k > 0)
+        tree.traverse(
+            p, [&] { return buffer.bound(); },
+            [&](std::uint32_t index, float distance2) {
+                if (distance2 <= buffer.bound() && accept(tree[index], distance2)) buffer.offer(distance2, index);
+            });
+    buffer.finish();
+}
+
+/// The nearest of these points; empty if there is none.
+template <typename Point, typename Accept>
+std::optional<Neighbour> find_nearest(const KdTree<Point>& tree, const Vec3& p, float max_distance, Accept&& accept) {
+    std::optional<Neighbour> nearest;
+    float bound = max_distance * max_distance;
+    tree.traverse(
+        p, [&] { return bound; },
+        [&](std::uint32_t index, float distance2) {
+            const Neighbour candidate{distance2, index};
+            if (distance2 > bound || (nearest && !(candidate < *nearest)) || !accept(tree[index], distance2)) return;
+            nearest = candidate;
+            bound = distance2;
+        });
+    return nearest;
+}
 
 }  // namespace gib
