@@ -44,7 +44,7 @@ std::vector<double> errors2_by(const Runs& cells, Layer layer, double seconds);
 
 /// The mean of a method's runs at one point of their curves.
 struct MeanPoint {
-    std::uint32_t least_passes = 0, most_passes = 0;  ///< different only at the end, where a time budget stopped the runs
+    std::uint32_t least_passes = 0, most_passes = 0;  ///< different only where a time budget ended the runs
     double seconds = 0;                               ///< mean over the runs
     std::vector<double> run_seconds = {}, relative = {},
                         absolute = {};  ///< by run: time, squared errors less the reference's variance

@@ -40,8 +40,8 @@ std::vector<std::string> notes_of_few_hits(const Reference& reference) {
         const double share = static_cast<double>(count) / static_cast<double>(layer->mean.pixels());
         if (share >= share_to_note)
             notes.push_back(
-                fmt::format("{}: {:.0f} % of the reference's pixels rest on fewer than {} hits, so that light may be "
-                            "missing there that its standard error does not hold",
+                fmt::format("{}: {:.0f} % of the reference's pixels rest on fewer than {} hits: light may be missing "
+                            "there, beyond its standard error",
                             name_of(c), 100 * share, few_hits));
     }
     return notes;

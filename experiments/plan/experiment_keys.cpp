@@ -14,28 +14,28 @@ namespace {
 std::string whole(int upper) { return fmt::format("whole number, 1 to {}", upper); }
 
 DeclaredTable keys_of_the_file() {
-    return {
-        "experiment",
-        "what is rendered, how often and for how long",
-        {{"title", "text; default: the file's name without `.toml`", "heading of the tables and the report"},
-         {"scenes", "list of texts; required",
-          "scene files, relative to the experiment file, or names that `gibench list scenes` prints. A file comes "
-          "before a scene of the same name. No two scenes have the same name"},
-         {"paths", "list of folders, relative to the experiment file",
-          "where the scenes' files are searched for, after each scene's own folder"},
-         {"resolution", fmt::format("`[width, height]`, 1 to {}; default: each scene's own", most_pixels_across),
-          "size of every image in pixels"},
-         {"seeds", fmt::format("{}; default {}", whole(most_seeds), default_seeds),
-          "each method renders each scene with the seeds 1 to this number. One seed gives no bias^2, variance and "
-          "intervals"},
-         {"epsilon", fmt::format("number, {:g} to {:g}; default: (0.1 m)^2", smallest_epsilon, largest_epsilon),
-          "epsilon of relative errors [radiance^2]. By default m is the mean luminance of the scene's reference, so "
-          "that errors do not depend on the unit of light. A number is absolute, for comparison with papers, which "
-          "take 0.01"},
-         {"budget", "table", "where a cell ends, unless its `spp` ends it earlier"},
-         {"reference", "table", "the images that all others are compared with"},
-         {"method", "list of tables; required", "what is compared"},
-         {"tune", "table", "searches the cheapest settings instead of `seeds`, budget, reference and methods"}}};
+    return {"experiment",
+            "what is rendered, how often and for how long",
+            {{"title", "text; default: the file's name without `.toml`", "heading of the tables and the report"},
+             {"scenes", "list of texts; required",
+              "scene files, relative to the experiment file, or names that `gibench list scenes` prints. A file comes "
+              "before a scene of the same name. No two scenes have the same name"},
+             {"paths", "list of folders, relative to the experiment file",
+              "where the scenes' files are searched for, after each scene's own folder"},
+             {"resolution", fmt::format("`[width, height]`, 1 to {}; default: each scene's own", most_pixels_across),
+              "size of every image in pixels"},
+             {"seeds", fmt::format("{}; default {}", whole(most_seeds), default_seeds),
+              "each method renders each scene with the seeds 1 to this number. One seed gives no bias^2, variance and "
+              "intervals"},
+             {"epsilon", fmt::format("number, {:g} to {:g}; default: (0.1 m)^2", smallest_epsilon, largest_epsilon),
+              "epsilon of relative errors [radiance^2]. By default m is the mean luminance of the scene's "
+              "reference: errors do not depend on the unit of light. A number is absolute, for comparison with papers, "
+              "which "
+              "take 0.01"},
+             {"budget", "table", "where a cell ends, unless its `spp` ends it earlier"},
+             {"reference", "table", "the images that all others are compared with"},
+             {"method", "list of tables; required", "what is compared"},
+             {"tune", "table", "searches the cheapest settings instead of `seeds`, budget, reference and methods"}}};
 }
 
 DeclaredTable keys_of_a_reference() {

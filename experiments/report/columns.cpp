@@ -109,8 +109,9 @@ const std::vector<RowColumn>& row_columns() {
         {"variance", "radiance^2", "scatter from seed to seed, mean over pixels; it falls with more samples",
          of<statistics, &S::variance>, 95},
         {"energy_excess", "",
-         "(mean of the method - mean of the reference) as a share of the reference's mean, or of a hundredth of the "
-         "total's mean if that is more",
+         "(mean of the method - mean of the reference) / unit. The unit is the larger one of the reference's mean and "
+         "a "
+         "hundredth of the total's mean",
          [](RowRef r) { return r.balance ? measured(r.balance->excess) : Field{}; }, 99},
         {"footing", "", "energy balance: `agrees` within 1 %, `differs` or `inconclusive`",
          [](RowRef r) { return r.balance ? name_of(r.balance->verdict) : ""; }},

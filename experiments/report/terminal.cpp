@@ -47,14 +47,16 @@ std::string cut_list(const std::string& text, std::size_t width) {
 
 Line line_of(const std::string& scene, const VerdictRow& v) {
     const std::string of = v.parts.empty() || v.kind.empty() ? v.parts + v.kind : v.parts + "; " + v.kind;
-    const bool is_foretold = v.seconds.state == State::extrapolated;
-    const bool has_error = !v.seconds.is_measured() && !is_foretold && v.error.is_measured();
+    const bool is_extrapolated = v.seconds.state == State::extrapolated;
+    const bool has_error = !v.seconds.is_measured() && !is_extrapolated && v.error.is_measured();
     const std::string beside =
         has_error ? fmt::format("{:.2g} %", 100 * std::sqrt(v.error.value)) : text_of(v.factor).value;
     return {.scene = scene,
             .error = v.target ? std::string(target_names[*v.target]) + " %" : "any",
             .method = v.method,
-            .seconds = text_of(v.seconds).value + (is_foretold ? " extrap." : ""),
+            .seconds = v.seconds.state == State::below_noise
+                           ? "below noise"
+                           : text_of(v.seconds).value + (is_extrapolated ? " extrap." : ""),
             .factor = beside + (v.is_tie ? " n.s." : ""),
             .consists_of = !v.method.empty() ? of : (v.target ? "none: " : "no verdict: ") + v.remark};
 }

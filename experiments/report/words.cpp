@@ -307,7 +307,7 @@ std::string csv_state(const Field& field) {
 std::string left_out(const TableRow& row) { return words_of(LeftOut{row.effects_missing, row.components_missing}); }
 
 std::string error_kind(const TableRow& row) {
-    if (!row.contradicted_in.empty()) return "bias; declared unbiased";
+    if (!row.contradicted_in.empty()) return "bias, although declared unbiased";
     const Field share = bias_share_field(row);
     const auto percent = [](double value) { return whole_percent(value) + " %"; };
     switch (share.state) {

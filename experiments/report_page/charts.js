@@ -94,7 +94,7 @@ function curveSets(scene, component, metric, hidden) {
   }
   const floor = metric === "relative" ? data.scenes[scene].noise_floor[component] : 0;
   if (floor > 0 && times.length > 0)
-    sets.push(pointSet("what the reference resolves", color("--muted"),
+    sets.push(pointSet("noise of the reference", color("--muted"),
       [Math.min(...times), Math.max(...times)].map((x) => ({x, y: factor * floor})), dashed));
   return sets;
 }

@@ -1,4 +1,4 @@
-"""Error against time: the mean of the seeds at each pass, its 95 % band, and what the reference resolves. The
+"""Error against time: the mean of the seeds at each pass, its 95 % band, and the noise of the reference. The
 reference's own variance is subtracted, as in table.md and the report."""
 import math
 from dataclasses import dataclass

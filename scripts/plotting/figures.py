@@ -145,7 +145,7 @@ def error_figure(curves, labels, reference, y_label, width):
         unit = " %" if "%" in y_label else ""
         below = "" if near else " (below the axis)"
         handles.append((Patch(facecolor=REFERENCE_GREY, edgecolor="black", linewidth=0.5),
-                        f"what the reference resolves: {reference:.3g}{unit}{below}"))
+                        f"noise of the reference: {reference:.3g}{unit}{below}"))
     sheet = Sheet(width, [0.72 * (width - LEFT)], handles)
     axes = sheet.axes[0]
     axes.set_xscale("log")
@@ -173,7 +173,7 @@ def law_words(sweep):
         words.append(f"bias² ~ {sweep.parameter}^-p, p = {law['exponent']:.2f} "
                      f"({law['exponent_lo']:.2f} to {law['exponent_hi']:.2f})")
     elif law:
-        words.append(f"bias² is resolved at {law['resolved']:.0f} of {law['values']:.0f} values: no slope")
+        words.append(f"bias² is above 0 at {law['resolved']:.0f} of {law['values']:.0f} values: no slope")
     if law and law["theory"] is not None:
         words.append(f"theory, smooth light: {law['theory']:.2f}")
     return "\n".join(words)

@@ -78,7 +78,7 @@ class PlotTest(unittest.TestCase):
         height = {y for _, y in svg.corners("reference")}
         self.assertEqual(len(height), 1)
         self.assert_close([svg.axis(1, "y", True)(height.pop())], [100 * math.sqrt(0.01 - 0.0096)])
-        self.assertIn("what the reference resolves: 2 %", svg.text())
+        self.assertIn("noise of the reference: 2 %", svg.text())
 
     def test_component_format_width_and_metric_are_obeyed(self):
         out = os.path.join(self.parent.name, "options")

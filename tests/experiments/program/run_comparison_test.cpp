@@ -172,7 +172,7 @@ TEST(CompareRuns, BiasAgainstADeclarationIsSaid) {
     EXPECT_THAT(comparison.remarks,
                 ElementsAre("box, a: in the new run biased, although declared unbiased: mean energy relative to the "
                             "reference's `indirect` -3.00 % (-3.50 to -2.50)"));
-    EXPECT_EQ(error_kind(after.rows.front()), "bias; declared unbiased");
+    EXPECT_EQ(error_kind(after.rows.front()), "bias, although declared unbiased");
 }
 
 TEST(CompareRuns, OtherMachinesScenesAndMethodsAreSaid) {
