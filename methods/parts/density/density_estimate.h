@@ -30,7 +30,6 @@
 #include "common/scene/scene.h"
 #include "methods/parts/density/flat_regions.h"
 #include "methods/parts/density/kernel.h"
-#include "methods/parts/photons/photon_join.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/transport/ray_queries.h"
 

@@ -19,7 +19,6 @@
 #include "common/media/phase.h"
 #include "common/sampling/sampler.h"
 #include "methods/parts/density/density_estimate.h"
-#include "methods/parts/photons/photon_join.h"
 
 namespace gib {
 

@@ -5,7 +5,6 @@
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/shared_vertices.h"
 
 #include <functional>
