@@ -17,7 +17,7 @@
 // chain's lobes; that of chains is q pdf_w(y) |det M| / n. The larger of the two, with a constant for n, makes the path
 // (Veach 1997, section 9.2, the maximum heuristic): it depends on the path alone, so that each path is made once.
 // Without it the light of a chain near a focus, where det M is 0, had no bound. The number n has no bound but
-// `most_trials`, where the sample counts as lost and is not finite, so that it is dropped and told.
+// `most_trials`, where the sample is set to a value that is not finite, so that it is dropped and counted.
 
 #include "methods/parts/manifold/specular_chain.h"
 #include "methods/parts/transport/path_walk.h"
@@ -47,7 +47,7 @@ public:
     /// this.
     ChainSampler(const Scene& scene, int longest);
 
-    /// Kinds are numbered from 0. Those that no chain has are never drawn.
+    /// Kinds are numbered from 0. Kinds without a chain are never drawn.
     std::size_t kinds() const { return guess_.size(); }
     std::uint32_t light_of(std::size_t kind) const { return static_cast<std::uint32_t>(kind / kinds_per_light()); }
     /// The probabilities of kinds at the start, up to a factor.

@@ -1,7 +1,7 @@
 #pragma once
-// The photon as it is stored: power, directions and path length in 16 bytes, and a position (Jensen 2001, section 6.2). Then the
-// rule by which photons are joined with an eye path, the weight of the joined path, and the photon's direction where interpolated
-// normals or curved surfaces disagree with the geometry.
+// The photon as it is stored: power, directions and path length in 16 bytes, and a position (Jensen 2001, section 6.2).
+// Then the rule by which photons are joined with an eye path, the weight of the joined path, and the photon's direction
+// where interpolated normals or curved surfaces disagree with the geometry.
 
 #include "common/core/math.h"
 #include "methods/parts/transport/dispersed_path.h"

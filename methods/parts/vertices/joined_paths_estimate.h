@@ -12,7 +12,8 @@
 
 namespace gib {
 
-/// Keeps the paths of each technique apart. Technique (s, t) takes s vertices from a light's walk and t from the camera's.
+/// Keeps the paths of each technique apart. Technique (s, t) takes s vertices from a light's walk and t from the
+/// camera's.
 class TechniqueImages {
 public:
     virtual ~TechniqueImages() = default;

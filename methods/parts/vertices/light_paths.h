@@ -1,6 +1,6 @@
 #pragma once
-// The paths from the lights: how many there are in a pass, how they start, the units of their light, and the walk along one, whose
-// vertices are connected to the camera and to vertices of the camera's walk.
+// The paths from the lights: how many there are in a pass, how they start, the units of their light, and the walk along
+// one, whose vertices are connected to the camera and to vertices of the camera's walk.
 
 #include "methods/method.h"
 #include "methods/parts/emission/light_emission.h"
@@ -36,12 +36,12 @@ struct LightPaths {
 void add_light_paths(Plan& plan, const Scene& scene, int max_edges);
 
 /// Follows a path from a light and calls visit(vertex, numbers, flights) at every vertex where another walk could end,
-/// before the path is scattered there. The powers are in units of the scene's emitted power, so that they keep to the range of
-/// float. The path and one more edge have at most as many edges as the rules allow.
+/// before the path is scattered there. The powers are in units of the scene's emitted power, so that they keep to the
+/// range of float. The path and one more edge have at most as many edges as the rules allow.
 ///
 /// The walk survives a scattering event with a probability of the albedo, as photons do, so that all its vertices have
-/// similar power (Jensen 2001, section 5.2). It scatters by the policy of the paths, if there is one; only walks whose vertices are
-/// connected to the camera alone may have one, since other techniques would have to weigh its directions.
+/// similar power (Jensen 2001, section 5.2). It scatters by the policy of the paths, if there is one; only walks whose
+/// vertices are connected to the camera alone may have one, since other techniques would have to weigh its directions.
 template <typename Rule, typename Visit>
 class LightWalk {
 public:
