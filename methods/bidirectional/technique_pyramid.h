@@ -1,6 +1,6 @@
 #pragma once
-// The pyramid of techniques: what each way of making a path of some length has contributed, with its weight and as if it
-// were the only one (Veach 1997, figure 10.3).
+// The pyramid of techniques: what each way of making a path of some length has contributed, with its weight and as if
+// it were the only one (Veach 1997, figure 10.3).
 
 #include "common/images/splat_film.h"
 #include "methods/parts/vertices/joined_paths_estimate.h"
@@ -17,7 +17,8 @@ public:
     TechniquePyramid(int width, int height, double unit);
 
     void add(int s, int t, std::size_t pixel, const Connection& path, double factor) override;
-    /// The images are technique_k2_s1_t2, with its weight, and technique_k2_s1_t2_alone, where k is the number of edges.
+    /// The images are technique_k2_s1_t2, with its weight, and technique_k2_s1_t2_alone, where k is the number of
+    /// edges.
     std::vector<std::pair<std::string, Image>> images(double count) const override;
 
 private:

@@ -14,7 +14,7 @@
 #include "methods/parts/transport/delta_paths.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_paths.h"
-#include "methods/parts/vertices/light_walk.h"
+#include "methods/parts/vertices/no_merging.h"
 
 #include <atomic>
 

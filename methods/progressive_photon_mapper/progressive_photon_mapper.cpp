@@ -8,9 +8,9 @@
 // Parameters: photons, caustic_photons, volume_photons [emitted in a pass], alpha, radius, caustic_radius,
 // volume_radius [of the first pass, fractions of the scene's diagonal, or auto, which is smaller on small bodies],
 // volume, kernel, area, projection, guide; spp and max_depth as for all methods.
-// Bias: falls with the passes, without a floor. The image carries an estimate of it, from the same photons within a
+// Bias: falls with the passes towards 0. The image carries an estimate of it, from the same photons within a
 // smaller radius (parts/density/density_estimate.h).
-// A pass: photon maps, of which only one pass's are in memory, and one sample of every pixel.
+// A pass: photon maps, and one sample of every pixel. Memory holds the maps of one pass only.
 // Fails: never; a map without photons near a point gives 0 there. Direct light of a pencil, as of a laser, is hardly ever
 // found, and the plan says so (parts/transport/delta_paths.h).
 #include "methods/parts/density/biased_film.h"
@@ -28,7 +28,8 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_key = 0x71;  ///< keeps the photons of the pilot apart from those of the passes
-/// Limit on photons in the mean look-up of the first pass, if its radius is found. Guided photons, of unlike power, tell less.
+/// Limit on photons in the mean look-up of the first pass, if its radius is found. Guided photons differ in power, so
+/// more are needed.
 constexpr double most_photons = 50, most_guided_photons = 200;
 
 struct ProgressiveSettings {

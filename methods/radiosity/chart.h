@@ -55,7 +55,7 @@ public:
     std::optional<Place> locate(const SurfaceHit& hit) const;
 
 private:
-    using Outline = std::array<std::array<double, 3>, 4>;  ///< sorted corners, which tell a chart from others
+    using Outline = std::array<std::array<double, 3>, 4>;  ///< sorted corners, which identify a chart
     /// A shape, or a shape in an instance: its first entry in chart_of_, and the number of pieces around and along it.
     struct Object {
         std::size_t first;

@@ -8,8 +8,8 @@
 namespace gib {
 
 /// Surfaces that touch. Where surfaces lie in one plane and face the same way, light meets only one of them at each point,
-/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays tell which it is. Where the
-/// fronts of two surfaces lie on each other, as the bottom of a block does on a floor, no light gets between them.
+/// so each of m surfaces has the share 1 / m of the light there; the upper one has all if rays find which it is. Where
+/// the fronts of two surfaces lie on each other, as the bottom of a block does on a floor, no light gets between them.
 class Contacts {
 public:
     /// The share of a covered point: not 0, so that its light is known, too, but small, so that it hardly counts for others.
@@ -44,7 +44,8 @@ public:
     }
 
 private:
-    /// The distance of surfaces that touch over the scene's diagonal, and that at which rays tell which one is in front.
+    /// Distances over the scene's diagonal: surfaces nearer than `touching` touch; rays find which is in front beyond
+    /// `distinct`.
     static constexpr double touching = 1e-5, distinct = 1e-6;
     /// The least cosine between the normals of surfaces that count as parallel.
     static constexpr double parallel = 0.999;

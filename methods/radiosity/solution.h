@@ -2,7 +2,7 @@
 // Solutions of X = B1 + rho K X (system.h).
 //
 // By iteration over links (Hanrahan et al. 1991), with conjugate gradients (Hestenes and Stiefel 1952): rho K is self-adjoint for the
-// product <X, Y> = sum of A_i X_i Y_i / rho_i, because A_i K_ij = A_j K_ji, and 1 - rho K is positive as long as some light is
+// product <X, Y> = sum of A_i X_i Y_i / rho_i, because A_i K_ij = A_j K_ji, and 1 - rho K is positive if some light is
 // absorbed. The sum of reflections, B1 + rho K B1 + ..., would take 1 / (1 - rho) times as many products with K.
 //
 // Where max_depth limits paths, it is that sum up to the reflections that it allows. It exists even in a closed scene that

@@ -3,8 +3,6 @@
 #include "methods/parts/density/surface_disc.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
 #include "methods/parts/photons/blocks_within_memory.h"
-#include "methods/parts/photons/photon_join.h"
-#include "methods/parts/vertices/light_walk.h"
 
 namespace gib {
 

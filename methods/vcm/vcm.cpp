@@ -12,7 +12,7 @@
 // scene's diagonal, or auto, which is smaller on small bodies]; kernel; shared_paths as for bidirectional; spp and max_depth as for all methods.
 // photon_mapping is light sampling, paths that find lights, and merging at every vertex; remainder is the part of the image
 // that merging alone can make.
-// Bias: of merging only; it falls with the passes, without a floor. The image carries an estimate of it, from the same
+// Bias: of merging only; it falls with the passes towards 0. The image carries an estimate of it, from the same
 // vertices within a smaller radius (BiasRule in light_vertex_map.cpp; in media kernel.h).
 // A pass: as many light paths as pixels, but 1024 at least unless the radius is given, whose vertices are kept, and then one
 // path from the camera and one from a light for every pixel.

@@ -45,8 +45,8 @@ private:
     mutable bool agrees_ = false;                        ///< the answer for that code
 };
 
-/// The search for the photons of one look-up: those that lie on the surface of its point, in the part of the disc that no
-/// obstacle hides (surface_disc.h), and that may be joined with its eye path.
+/// The search for the photons of one look-up. A photon counts if it lies on the surface of the look-up's point, in the
+/// part of the disc that no obstacle hides (surface_disc.h), and if its path may be joined with the eye path.
 class PhotonSearch {
 public:
     PhotonSearch(const DensityEstimator& estimator, const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit,
@@ -249,7 +249,7 @@ private:
     /// The radiance estimate of Jensen 2001, equation 7.5,
     ///     L_r(x, wo) = sum over photons p of f(x, w_p, wo) Phi_p / (pi r^2),
     /// with K(d_p) / phi in place of 1 / (pi r^2). `photons` calls a function for each photon within r. If a smaller
-    /// radius is given, the difference to the estimate from it tells the bias.
+    /// radius is given, the bias is estimated by the difference to the estimate from it.
     template <typename Photons>
     Reflected radiance(float r, float narrow_r, const Photons& photons) const {
         KernelSum sum(e_.kernel, r), narrow(e_.kernel, narrow_r);

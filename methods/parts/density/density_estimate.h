@@ -30,7 +30,6 @@
 #include "common/scene/scene.h"
 #include "methods/parts/density/flat_regions.h"
 #include "methods/parts/density/kernel.h"
-#include "methods/parts/photons/photon_join.h"
 #include "methods/parts/photons/photon_map.h"
 #include "methods/parts/transport/ray_queries.h"
 
@@ -74,7 +73,8 @@ struct DensityEstimator {
     float max_radius;  ///< [scene units]
     DiscArea area;
     bool estimates_bias = false;  ///< only with all_photons
-    /// With all_photons, the radius from which place_radius.h finds the share of `max_radius` that suits the place; 0: all of it.
+    /// With all_photons, the radius from which place_radius.h finds the share of `max_radius` that suits the place; 0:
+    /// all of it.
     float largest_by_place = 0.f;
     const FlatRegions* flat = nullptr;  ///< spare look-ups rays; null: rays are always traced
 
@@ -83,7 +83,8 @@ struct DensityEstimator {
     Reflected reflected_radiance(const PhotonMap& map, RayQueries& rays, const SurfaceHit& hit, const Vec3& wo,
                                  const EyePath& eye, const Sampler& sampler, std::uint32_t dimension,
                                  LastLookUp* last = nullptr) const;
-    /// Whether there is nothing but the surface's plane as far from the centre as the rays for a disc of radius r reach.
+    /// Whether there is nothing but the surface's plane as far from the centre as the rays for a disc of radius r
+    /// reach.
     bool is_flat_within(const SurfaceHit& hit, float r) const {
         constexpr float reach = 1.1f;  // rays for obstacles are r / cos(pi / 8) long
         return flat && flat->flat_around(hit, reach * r);

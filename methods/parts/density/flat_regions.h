@@ -1,5 +1,5 @@
 #pragma once
-// Where a scene is flat: a coarse grid that tells how far around a point of a plane there is nothing but this plane.
+// Where a scene is flat: a coarse grid of how far around a point of a plane there is nothing but this plane.
 // Look-ups there need none of the rays that look for obstacles, layers and the ends of the surface (surface_disc.h),
 // because none of these rays would find anything.
 //
@@ -27,9 +27,9 @@ public:
     static int resolution_for(std::uint64_t photons);
 
     /// Whether all surfaces within `reach` [scene units] of a hit lie in its plane, are of its shape and material, and
-    /// cover the plane there. False if the grid cannot tell.
+    /// cover the plane there. False if the grid is too coarse to decide.
     bool flat_around(const SurfaceHit& hit, float reach) const;
-    /// Whether no surface lies within `reach` [scene units] of a point. False if the grid cannot tell.
+    /// Whether no surface lies within `reach` [scene units] of a point. False if the grid is too coarse to decide.
     bool empty_around(const Vec3& p, float reach) const;
 
 private:

@@ -1,7 +1,8 @@
 #pragma once
-// Kernels of the density estimate: radial weights over a disc, or in media over a ball, each with integral 1. With s = d / r the
-// weight over a disc times pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) / (1 - exp(-2))
-// (gaussian, cut off at two standard deviations), 2 (1 - s^2) (epanechnikov); over a ball the weights have the same shapes.
+// Kernels of the density estimate: radial weights over a disc, or in media over a ball, each with integral 1. With s =
+// d / r the weight over a disc times pi r^2 is 1 (uniform), 3 (1 - s) (cone; Jensen 1996, normalised), 2 exp(-2 s^2) /
+// (1 - exp(-2)) (gaussian, cut off at two standard deviations), 2 (1 - s^2) (epanechnikov); over a ball the weights
+// have the same shapes.
 
 #include <array>
 #include <numbers>

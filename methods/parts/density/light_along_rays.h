@@ -88,7 +88,7 @@ class LightAlongRays {
 public:
     LightAlongRays() = default;
     /// The light of the walk's beams, if there are any, or else of its photons in media.
-    /// `regions`, which must outlive this, tell where no surface is near.
+    /// `regions` must outlive this.
     LightAlongRays(PhotonWalkResult walk, Kernel kernel, const BlurRadii& radii, const FlatRegions& regions,
                    bool estimates_bias = false);
 

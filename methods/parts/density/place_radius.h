@@ -13,8 +13,8 @@
 
 namespace gib {
 
-/// The radius at `hit` for light on the side of wo, as a share of `largest`, the radius on large surfaces [scene units]: 1, 1/2,
-/// 1/4, ... down to 2^-12.
+/// The radius at `hit` for light on the side of wo, as a share of `largest`, the radius on large surfaces [scene
+/// units]: 1, 1/2, 1/4, ... down to 2^-12.
 float share_of_radius_at(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, float largest);
 
 }  // namespace gib

@@ -48,7 +48,8 @@ inline Parameter alpha_parameter() {
         "the variance of a mean over N passes falls as N^-alpha, the bias on surfaces as N^(alpha - 1)");
 }
 
-/// The radius of the first pass; `where` says of which look-ups, and `most` how many points `auto` asks for at most.
+/// The parameter of a first radius. `where` names its look-ups; `most` is the largest mean number of points that `auto`
+/// allows.
 inline Parameter first_radius_parameter(std::string name, const std::string& where, const std::string& most) {
     Parameter parameter =
         number_parameter(std::move(name), "auto", "scene diagonals", 0x1p-40, 1,
@@ -81,9 +82,8 @@ std::uint64_t pilot_passes(double paths);
 /// The squared error is least where the squared bias, which grows as r^4, is half of the variance, which falls as r^-2.
 /// The search doubles the discs until it is 4 times the variance: half of that disc has the least error then. Errors are
 /// relative: they count with 1 / (S^2 + the median's S^2), with S the density of the ten nearest photons. The search
-/// begins with a radius within which the densest quarter of the places has 1/20 of a photon or more. The footprint of a
-/// pixel would be too small in a dim scene. A fiftieth of the diagonal if there is no place with ten photons within a tenth
-/// of the diagonal.
+/// begins with a radius within which the densest quarter of the places has 1/20 of a photon or more. Returns
+/// diagonal / 50 if no place has ten photons within diagonal / 10.
 double first_radius(const std::vector<Photon>& photons, double passes, const std::vector<Vec3>& places, double most,
                     int dimensions, float diagonal);
 

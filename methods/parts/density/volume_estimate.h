@@ -14,12 +14,11 @@
 //  - if the k-th photon is closer than the rounding error of positions, all photons within that error count and r
 //    is that error;
 //  - r is at most the mean free path at p. In a dense medium light enters only a layer of a few mean free paths. A ball
-//    that is larger than the layer would divide the layer's photons by a volume most of which is dark.
+//    larger than the layer is mostly dark, so the estimate would divide the layer's photons by too large a volume.
 
 #include "common/media/phase.h"
 #include "common/sampling/sampler.h"
 #include "methods/parts/density/density_estimate.h"
-#include "methods/parts/photons/photon_join.h"
 
 namespace gib {
 

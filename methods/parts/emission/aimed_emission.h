@@ -1,6 +1,7 @@
 #pragma once
-// Emission aimed at targets: a distribution of the starts of light paths that holds every ray which can meet a target, and few
-// others. The one there is, projection maps, is Jensen's (projection_map.h); light paths know this interface alone.
+// Emission aimed at targets: a distribution of the starts of light paths that holds every ray which can meet a target,
+// and few others. The one there is, projection maps, is Jensen's (projection_map.h); light paths know this interface
+// alone.
 
 #include "common/lights/light.h"
 
@@ -31,10 +32,11 @@ public:
     /// The share of all lights' power that is held, with untextured lights.
     virtual double kept_power() const = 0;
 
-    /// Chooses a bin of rays with its probability. Bins of near numbers hold rays that are near. The distribution must not be
-    /// empty.
+    /// Chooses a bin of rays with its probability. Bins of near numbers hold rays that are near. The distribution must
+    /// not be empty.
     virtual std::uint32_t choose_bin(const Vec2& u) const = 0;
-    /// The start of a light path in a chosen bin. Its power [W] is an unbiased estimate of the power that leaves through all bins.
+    /// The start of a light path in a chosen bin. Its power [W] is an unbiased estimate of the power that leaves
+    /// through all bins.
     virtual EmissionSample sample_emission(const Scene& scene, std::uint32_t bin, const Vec2& u_position,
                                            const Vec2& u_direction) const = 0;
     /// The density of a start in the light's bins in direction w, as of emission_pdf(), with the choice of the light.

@@ -4,8 +4,9 @@
 // Starts may be aimed by projection maps (methods/parts/emission/projection_map.h): at specular surfaces where most light can
 // reach none, because caustics need them; or at the places that a guide has found (methods/parts/guiding/light_guide.h), by
 // several maps, each with all targets of the one before. The kinds of starts share the rays: a ray belongs to the first map
-// of which it meets a target, or to the ordinary starts. A start of another kind than that by which it was made is dropped,
-// so the density of a start is known from its ray alone, as the weights of all techniques need it. With n maps, it is
+// that has a target on the ray, or else to the ordinary starts. A start whose ray belongs to another kind than the one
+// that made it is dropped, so its density follows from its ray alone, as the weights of all techniques need it. With n
+// maps, it is
 //
 //     q(light) p / (n + 1)         if the ray meets no target,
 //     P_l / V_l p / (n + 1)        if it belongs to a map,

@@ -14,7 +14,7 @@ namespace {
 constexpr double all_but_kept = 0.98;
 /// Such lights are looked for when 1 / trial_share of the bins have been made, so that the other lights get the rest.
 constexpr std::size_t trial_share = 4;
-/// Balls around the targets: a few for each bin, as coarse bins cannot tell more of them apart, but not more than this.
+/// Balls around the targets: a few for each bin, as coarse bins cannot resolve more of them, but not more than this.
 constexpr std::size_t balls_per_bin = 8, most_balls = 1 << 15;
 /// A tenth of the choices is spread evenly over the lights, as without projection maps (light_choice()).
 constexpr double uniform_share = 0.1;
@@ -43,8 +43,8 @@ float within(const EmissionBox& box, std::size_t i, float u) {
 
 }  // namespace
 
-/// Builds the bins: halves those that hold the most power and drops those that cannot reach a
-/// target, until there are `most_bins`.
+/// Builds the bins: halves the bins of most power and drops bins that cannot reach a target, until there are
+/// `most_bins`.
 class ProjectionMap::Refinement {
 public:
     Refinement(const Scene& scene, const ProjectionMap& map, std::size_t most_bins)

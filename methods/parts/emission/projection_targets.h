@@ -1,6 +1,6 @@
 #pragma once
-// The targets of projection maps: a tree of balls around the surfaces that photons are to reach. It tells whether a
-// bundle of rays can meet one of them.
+// The targets of projection maps: a tree of balls around the surfaces that photons are to reach. The tree decides
+// whether a bundle of rays can meet a target.
 
 #include "common/lights/emission_bounds.h"
 #include "methods/parts/emission/aimed_emission.h"
@@ -37,7 +37,7 @@ public:
         some,     ///< some ray may meet a ball
         all_meet  ///< every ray meets a target, which is a whole sphere
     };
-    /// Tells whether the bundle can reach a target; those of the shape `except` do not count. `hint` is the number of
+    /// Whether the bundle can reach a target; targets of the shape `except` do not count. `hint` is the number of
     /// a node that is tested first, 0 at the start; it is set to the node that was met.
     Reach reach(const RayBundle& bundle, std::uint32_t except, std::uint32_t& hint) const;
 

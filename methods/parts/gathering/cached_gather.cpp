@@ -33,7 +33,7 @@ Parameter accuracy_parameter() {
                  {0.05, 0.6});
 }
 
-/// Collects the points of eye paths, and those that the cache does not serve as candidates for records.
+/// Collects the points of eye paths. Points that the cache does not serve are candidates for records.
 class CachedGather::GridVisitor {
 public:
     static constexpr bool wants_emission = false;

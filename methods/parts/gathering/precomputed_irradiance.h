@@ -49,12 +49,12 @@ public:
                           const DensityEstimator& estimator, int max_photon_edges, std::uint64_t seed,
                           std::uint64_t& rays, StageProgress* progress);
 
-    /// Irradiance [W/m^2] at the nearest place on the surface of `hit`, on the side of `normal`. Places do not serve
-    /// whose own estimate's disc the hit lies outside of, nor those that may lie behind a wall or on another surface.
-    /// Empty if no place within `max_distance` (the estimator's largest radius) serves. A short ray tests for walls, but
-    /// only if the estimate at the place has met an obstacle or if the place is farther away than `seen`, the length
-    /// of the ray to `hit`: the nearest place may lie outside a room that is small compared with the scene and has no
-    /// places of its own.
+    /// Irradiance [W/m^2] at the nearest place on the surface of `hit`, on the side of `normal`. A place serves
+    /// if the hit lies within the disc of the place's own estimate, and if the place is not behind a wall or on another
+    /// surface. Empty if no place within `max_distance` (the estimator's largest radius) serves. A short ray tests for
+    /// walls, but only if the estimate at the place has met an obstacle or if the place is farther away than `seen`,
+    /// the length of the ray to `hit`: the nearest place may lie outside a room that is small compared with the scene
+    /// and has no places of its own.
     std::optional<Color> at(RayQueries& rays, const SurfaceHit& hit, const Vec3& normal, float seen,
                             float max_distance) const;
 

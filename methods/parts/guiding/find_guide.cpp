@@ -1,4 +1,4 @@
-// Whether light is guided, which a pilot tells: LightPolicy::find().
+// LightPolicy::find(): a pilot decides whether light is guided.
 #include "methods/parts/guiding/importons.h"
 #include "methods/parts/guiding/light_guide.h"
 #include "methods/parts/photons/photon_walk.h"
@@ -17,13 +17,14 @@ constexpr int most_edges = 24;
 /// `auto` guides if less of the light reaches places that are seen: in the library, where the eye sees a corner of the scene.
 constexpr double most_used = 0.05;
 constexpr double least_used = 1e-6;
-/// ... and if guided photons tell so many times as much for their rays, which take about twice the time.
+/// ... and if guided photons have so many times the information of others for their rays, which take about twice the
+/// time.
 constexpr double least_gain = 3;
 
 /// The worth of a pilot's photons where light is used.
 struct PilotLight {
     double power = 0;        ///< over that which leaves the lights
-    double information = 0;  ///< photons of equal power that would tell as much, (sum of P)^2 / sum of P^2, over rays
+    double information = 0;  ///< equivalent number of photons of equal power, (sum of P)^2 / sum of P^2, over rays
 };
 
 class Pilot {

@@ -15,8 +15,8 @@ constexpr std::uint64_t importon_key = 0x1390;  // keeps their numbers apart fro
 constexpr double field_memory = 16 * 0x1p20;  // [bytes]
 constexpr std::uint64_t fewest_visits = 32;
 constexpr double crowd = 1024;  // visits of a leaf, see RadianceField::learn()
-/// Importons of the first and of the last round, after each of which the field learns; each round has twice as many as the one
-/// before.
+/// Importons of the first and of the last round. Each round has twice as many as the one before; the field learns after
+/// each.
 constexpr std::size_t first_round = 1 << 12, last_round = 1 << 15;
 /// The probability of following the field: a direction that it leaves out weighs 1 / (1 - a).
 constexpr float by_field = 0.75f;

@@ -1,6 +1,6 @@
 #pragma once
-// Points with payloads, such as photons, in a balanced kd-tree, with searches within a radius; the search for the nearest points
-// is nearest.h. Source: Jensen 2001, chapter 6.
+// Points with payloads, such as photons, in a balanced kd-tree, with searches within a radius; the search for the
+// nearest points is nearest.h. Source: Jensen 2001, chapter 6.
 //
 // A leaf holds eight points. Their positions are stored by coordinate, so that one look at a leaf yields eight
 // distances and a mask of those within the bound; only these points are shown to the caller. The payloads are stored
@@ -47,9 +47,9 @@ public:
                nodes_.size() * sizeof(Node);
     }
 
-    /// Calls visit(index, distance2) for the points with distance2 <= bound(), which may fall on the way: points between the
-    /// old bound and the new one may still be visited. Points near p come early. A squared distance is (dx^2 + dy^2) + dz^2
-    /// with each operation rounded.
+    /// Calls visit(index, distance2) for the points with distance2 <= bound(), which may fall on the way: points
+    /// between the old bound and the new one may still be visited. Points near p come early. A squared distance is
+    /// (dx^2 + dy^2) + dz^2 with each operation rounded.
     template <typename Bound, typename Visit>
     void traverse(const Vec3& p, const Bound& bound, const Visit& visit) const;
 

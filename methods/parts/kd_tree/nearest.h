@@ -1,6 +1,6 @@
 #pragma once
-// Search of a kd-tree for the points nearest to a place (Jensen 2001, section 6.4), and the buffer that keeps the k nearest of the
-// candidates on the way.
+// Search of a kd-tree for the points nearest to a place (Jensen 2001, section 6.4), and the buffer that keeps the k
+// nearest of the candidates on the way.
 
 #include "common/core/math.h"
 #include "methods/parts/kd_tree/kd_tree.h"
@@ -27,7 +27,8 @@ struct Neighbour {
     friend auto operator<=>(const Neighbour&, const Neighbour&) = default;
 };
 
-/// The memory of a thread's look-ups, which none of them has to take for itself. A look-up must not begin within another.
+/// The memory of a thread's look-ups, which none of them has to take for itself. A look-up must not begin within
+/// another.
 inline std::vector<Neighbour>& neighbours_of_thread() {
     static thread_local std::vector<Neighbour> neighbours;
     return neighbours;
@@ -81,7 +82,7 @@ private:
         nearer_ += bucket <= last_ ? 1 : 0;
         drop_buckets();
     }
-    /// Drops the last buckets as long as the others hold k candidates.
+    /// Drops last buckets while the others hold k candidates.
     void drop_buckets() {
         if (nearer_ - count_[last_] < k_) return;
         do
@@ -155,10 +156,10 @@ private:
     std::array<std::uint32_t, buckets> count_;
 };
 
-/// Finds the k points nearest to p within `max_distance` [scene units] for which accept(point, distance2) holds, or all of
-/// these if there are fewer. Their order is arbitrary, but if there are k, the LAST one is the farthest. Of points at equal
-/// distance the one with the lower index counts as nearer. `neighbours` is cleared first and keeps its memory. accept is called
-/// only for points within the largest distance that still matters.
+/// Finds the k points nearest to p within `max_distance` [scene units] for which accept(point, distance2) holds, or all
+/// of these if there are fewer. Their order is arbitrary, but if there are k, the LAST one is the farthest. Of points
+/// at equal distance the one with the lower index counts as nearer. `neighbours` is cleared first and keeps its memory.
+/// accept is called only for points within the largest distance that still matters.
 template <typename Point, typename Accept>
 void find_nearest(const KdTree<Point>& tree, const Vec3& p, std::size_t k, float max_distance, Accept&& accept,
                   std::vector<Neighbour>& neighbours) {

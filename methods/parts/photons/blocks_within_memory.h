@@ -1,6 +1,6 @@
 #pragma once
 // A parallel loop whose blocks store results of unknown number, such as photons, and which stops early if memory
-// cannot hold them: the first blocks tell how many results there will be.
+// cannot hold them: their number is extrapolated from the first blocks.
 
 #include "common/core/memory_limit.h"
 #include "common/core/parallel.h"

@@ -21,9 +21,9 @@ class StageProgress;
 
 /// The photons that a walk stores, by the history of their paths: S specular, D diffuse, V in a medium.
 enum class PhotonMapKind {
-    global,   ///< on diffuse surfaces, L (S|D|V)* (D|V) S* D: those that a diffuse surface or a medium has scattered
+    global,   ///< on diffuse surfaces, L (S|D|V)* (D|V) S* D: scattered by a diffuse surface or a medium
     caustic,  ///< on diffuse surfaces, L S+ D; the walk ends at the first diffuse surface or event in a medium
-    volume,   ///< in media, L (S|D|V)+ V: all but those that come straight from a light
+    volume,   ///< in media, L (S|D|V)+ V: all but photons straight from a light
     full,     ///< on diffuse surfaces, L (S|D|V)* D: all, for gather rays, which see all light that leaves a surface
     media,    ///< in media, L (S|D|V)* V: all
     beams     ///< the flights of the same paths through media, as beams

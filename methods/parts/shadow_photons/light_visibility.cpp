@@ -25,7 +25,7 @@ struct Surface {
     std::unique_ptr<VisibilityRegion>& root;
 };
 
-/// What the photons of a region tell about a light; null if it has none there.
+/// The evidence about a light that the photons of a region hold; null if the light has no photons there.
 const LightEvidence* evidence_in(const VisibilityRegion* region, std::uint32_t light) {
     if (!region) return nullptr;
     const auto found = std::lower_bound(region->lights.begin(), region->lights.end(), light,

@@ -10,7 +10,7 @@
 // Estimate. One sample of direct light is f Le V cos(theta) / (P(l) pdf_w), with the light's own density pdf_w and the visibility
 // V, which a ray finds. It is unbiased whatever the photons say, as P(l) > 0 for every light that shines.
 //
-// Surfaces are told apart by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
+// Surfaces are distinguished by shape and by the coordinate axis that is nearest to their normal. Surfaces with fewer
 // than 8 photons for each light share one tree, in which all lights stay open.
 
 #include "common/sampling/sampler.h"

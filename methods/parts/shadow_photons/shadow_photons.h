@@ -1,14 +1,14 @@
 #pragma once
-// Shadow photons: they tell which lights shine straight at which surfaces.
+// Shadow photons: which lights shine straight at which surfaces.
 // Source: Jensen and Christensen 1995, "Efficiently Rendering Shadows using the Photon Map"; Jensen 2001, chapter 11.
 //
 // A photon leaves a light and flies straight on through everything. Each diffuse surface on its way stores it with
 // the share of its power that arrives there: 1 on the first surface (a direct photon), 0 behind a surface (a shadow
 // photon), and a value between behind surfaces with holes that let a part through. So the photons of a light lie on
-// every surface as if nothing stood in their way, and the shares of those around a point tell how much of the light
-// the point sees. In the paper shadow photons have negative flux, so that all photons of a light sum to the flux that
-// arrives. Here power and share are kept apart, so that the photons also tell the flux
-// that would arrive without obstacles.
+// every surface as if nothing stood in their way. The mean share of the photons around a point estimates how much of
+// the light the point sees. In the paper shadow photons have negative flux, so that all photons of a light sum to the
+// flux that arrives. Here power and share are kept apart, so that the photons also hold the flux that would arrive
+// without obstacles.
 
 #include "common/core/math.h"
 #include "methods/parameters.h"
@@ -30,7 +30,7 @@ Parameter shadow_photons_parameter();
 
 inline constexpr std::string_view step_shadow_map = "shadow photon map";
 /// Adds the step of the shadow photon map. It is skipped where shadow photons are not asked for, where lights are not
-/// sampled, and where media dim light, as only a ray can tell by how much.
+/// sampled, and where media dim light, since only a ray can find by how much.
 void add_shadow_map(Plan& plan, const Scene& scene, std::uint64_t photons);
 
 struct ShadowPhoton {
@@ -41,8 +41,8 @@ struct ShadowPhoton {
     std::uint64_t surface;  ///< SurfaceSide::key() of the surface that stores the photon
 };
 
-/// One side of a surface. Shadow photons are kept apart by it, since surfaces of different shapes, and those that
-/// face different ways, may see different lights however close they are.
+/// One side of a surface. Shadow photons are kept apart by side, since surfaces of different shapes or orientations may
+/// see different lights however close they are.
 struct SurfaceSide {
     std::uint32_t shape, instance;  ///< as in SurfaceHit
     std::uint32_t side;             ///< the axis nearest to the normal: 0 to 5 for x, -x, y, -y, z, -z

@@ -15,7 +15,7 @@ namespace gib {
 
 /// Whether a light is seen from a region.
 enum class LightVerdict : std::uint32_t {
-    open,  ///< it is seen from a part of the region, or it has too few photons to tell
+    open,  ///< it is seen from a part of the region, or it has too few photons to decide
     lit,   ///< it is seen from all of the region
     dark   ///< it is seen from nowhere in the region
 };

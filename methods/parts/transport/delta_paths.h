@@ -7,7 +7,7 @@
 
 namespace gib {
 
-/// Adds components to those that the plan leaves unresolved, each once.
+/// Adds components that the method does not sample to Plan::unresolved, each once.
 void leave_out(Plan& plan, const std::vector<Component>& components);
 
 /// Whether the scene has a mirror or a smooth interface.
@@ -17,9 +17,9 @@ bool has_delta_lobe(const Scene& scene);
 /// L, whether these paths are caustics or the ends of longer paths.
 std::vector<Component> components_of_delta_paths(const Scene& scene, const Effects& called_for);
 
-/// Those of the components `lit` that `called_for` holds, if the scene has a pencil of light: a spot or projector that shines
-/// into less than 1e-6 sr. In a scene of the size D it lights less than 1e-6 D^2, where about one of 1e6 paths from the camera
-/// ends.
+/// The components in `lit` whose paths `called_for` holds, if the scene has a pencil of light, else none. A pencil is a
+/// spot or projector that shines into less than 1e-6 sr. In a scene of the size D it lights less than 1e-6 D^2, where
+/// about one of 1e6 paths from the camera ends.
 std::vector<Component> components_of_pencils(const Scene& scene, const Effects& called_for,
                                              const std::vector<Component>& lit);
 

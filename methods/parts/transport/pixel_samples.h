@@ -111,7 +111,7 @@ struct Tile {
     static std::size_t count(const Sensor& sensor) { return along(sensor.width()) * along(sensor.height()); }
 
     std::size_t pixels() const { return static_cast<std::size_t>(width * height); }
-    /// The pixels of which x and y have these remainders when divided by `apart`.
+    /// The pixels whose x and y have these remainders when divided by `apart`.
     std::vector<PixelPlace> every(int apart, int x_remainder, int y_remainder, const Sensor& sensor) const {
         std::vector<PixelPlace> places;
         for (int py = y + y_remainder; py < y + height; py += apart)
@@ -127,7 +127,7 @@ private:
 };
 
 /// Adds a sample of every pixel to the film and returns the number of rays traced. The time and the progress are
-/// recorded in `stages` under the name `stage`. There are `blocks` of pixels, each of which one thread samples;
+/// recorded in `stages` under the name `stage`. There are `blocks` of pixels; one thread samples a block:
 /// sample_block(RayQueries&, block, add) calls add(pixel, sample) and returns how many pixels it has.
 template <typename AnyFilm, typename SampleBlock>
 std::uint64_t sample_blocks(const Scene& scene, AnyFilm& film, std::uint32_t pass, StageTimes& stages,

@@ -111,7 +111,7 @@ inline std::optional<ScatteredRay> sample_radiance(const SurfaceHit& hit, const 
     return ray && (geometric || hit.normals_agree_about(ray->wi)) ? ray : std::nullopt;
 }
 
-/// The same of power; wo_local is where the photon came from.
+/// sample_radiance() for power: wo_local is the direction that the photon came from.
 inline std::optional<ScatteredRay> sample_power(const SurfaceHit& hit, const Vec3& wo_local, Vec2 u_lobe, const Vec2& u,
                                                 Lobes which) {
     const float share = hit.delta_only                                                   ? 1.f

@@ -1,5 +1,5 @@
 #pragma once
-// A surface that tells irradiance by the radiance that it reflects.
+// A surface whose reflected radiance is a measure of irradiance.
 
 #include "common/materials/bsdf.h"
 

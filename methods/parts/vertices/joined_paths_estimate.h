@@ -5,7 +5,6 @@
 #include "methods/parts/transport/pixel_samples.h"
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
-#include "methods/parts/vertices/light_walk.h"
 #include "methods/parts/vertices/shared_vertices.h"
 
 #include <functional>
@@ -13,7 +12,8 @@
 
 namespace gib {
 
-/// Keeps the paths of each technique apart. Technique (s, t) takes s vertices from a light's walk and t from the camera's.
+/// Keeps the paths of each technique apart. Technique (s, t) takes s vertices from a light's walk and t from the
+/// camera's.
 class TechniqueImages {
 public:
     virtual ~TechniqueImages() = default;

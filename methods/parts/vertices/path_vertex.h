@@ -52,8 +52,8 @@ struct PathVertex {
         const LobeTraits& lobes = hit->bsdf->traits_at(from_local.z());
         return !hit->delta_only && (lobes.diffuse || lobes.glossy);
     }
-    /// The class of the path with this vertex, scattered by a lobe of this kind, as the last one of the camera's walk
-    /// or as the first one that the camera's walk meets of the light's. A medium has no kinds of lobes.
+    /// The class of the path if this vertex scatters by a lobe of this kind. ending_with(): the vertex ends the
+    /// camera's walk; beginning_with(): it ends the light's walk. A medium has no kinds of lobes.
     PathClass ending_with(LobeKind kind) const { return hit ? path_class.after(kind) : path_in_medium(); }
     PathClass beginning_with(LobeKind kind) const { return hit ? path_class.preceded_by(kind) : path_in_medium(); }
     PathClass path_in_medium() const {

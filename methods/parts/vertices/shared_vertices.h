@@ -1,7 +1,7 @@
 #pragma once
-// The vertices of the light paths of a group of pixels, which the first vertex of each of their camera's walks may be connected
-// with: more light paths for a pixel, at few more rays. Source: Popov et al. 2015, "Probabilistic Connections for
-// Bidirectional Path Tracing".
+// Light path vertices shared by a group of pixels: the first vertex of a camera's walk is connected with vertices of
+// the light paths of all pixels of its group, which gives a pixel more light paths at few more rays. Source: Popov et
+// al. 2015, "Probabilistic Connections for Bidirectional Path Tracing".
 //
 // Let c(z, v) be what the connection of z, the first vertex of a camera's walk that can be joined, with the vertex v of a light
 // path makes. A walk that has a light path of its own takes the sum of c(z, v) over the vertices of this path. Here the group has

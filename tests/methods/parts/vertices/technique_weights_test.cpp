@@ -5,7 +5,6 @@
 #include "methods/parts/vertices/camera_walk.h"
 #include "methods/parts/vertices/connections.h"
 #include "methods/parts/vertices/light_paths.h"
-#include "methods/parts/vertices/light_walk.h"
 #include "methods/vcm/merge_rule.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/moments.h"
