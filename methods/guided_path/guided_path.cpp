@@ -25,13 +25,13 @@ namespace gib {
 
 namespace {
 
-// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes, have visited it
-// (Mueller 2017, section 3.3, has 12,000 and larger images).
+// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes that the field
+// learns from, have visited it (Mueller 2017, section 3.3, has 12,000 and larger images).
 constexpr double crowd = 400;
 // Paths from which an iteration learns, at most about: if it follows the field, and if they only see whether that would pay.
 constexpr double enough_paths = 0x1p19, enough_looks = 0x1p13;
-// Images of more pixels do not follow the field in the iterations before the seventh, which take their first seconds: it does not
-// pay for its time yet. These iterations learn from this share of their paths, or from `enough_looks`.
+// Images of more pixels do not follow the field in the iterations before the ninth: it does not pay for its time yet. These
+// iterations learn from this share of their paths, or from `enough_looks`.
 constexpr std::size_t many_pixels = 0x1p13;
 constexpr double first_share = 1. / 64;
 constexpr std::uint32_t lesson = 0x30000000;  // dimension of the choice to learn from a path; no vertex has it
@@ -66,7 +66,7 @@ public:
           runs_(plan.runs(step_eye_paths)),
           learns_(plan.runs(step_learning)),
           pixels_(static_cast<std::size_t>(scene.sensor().width()) * static_cast<std::size_t>(scene.sensor().height())),
-          first_guided_(pixels_ > many_pixels ? 7 : 0),
+          first_guided_(pixels_ > many_pixels ? 9 : 0),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           field_(scene.bounds(), typical_radiance(scene), settings.memory * 0x1p20) {}
 
@@ -77,7 +77,7 @@ public:
         if (!runs_) return Progress::converged;
         if (learns_ && pass > 0 && std::has_single_bit(passes_)) {
             const auto timer = stages_.time(step_learning);
-            field_.learn(crowd * std::exp2(0.5 * (iteration - 1)));
+            field_.learn(crowd * std::sqrt(std::exp2(iteration - 1) * double{share_of_lessons(iteration - 1)}));
         }
         const float lessons = learns_ ? share_of_lessons(iteration) : 0;
         const bool guided = is_guided(iteration);
