@@ -2,8 +2,8 @@
 // 2017, "Practical Path Guiding for Efficient Light-Transport Simulation"; Mueller 2019, "Practical Path Guiding in Production".
 //
 // Computes: every component, by the paths of `path`. At surfaces and in media a field of incident radiance, which earlier passes
-// have learned, proposes directions beside the bsdf or phase function. Where it knows of little concentrated light, most passes
-// are path tracing.
+// have learned, proposes directions beside the bsdf or phase function. Where it knows of little concentrated light, and in the
+// first iterations, most passes are path tracing.
 // Parameters: memory of the field [MiB]; sampler, spp and max_depth as for all methods.
 // Bias: none, for paths that `path` can sample: the samples of a pass are drawn by what earlier passes have learned, and the
 // weights of passes are constants.
@@ -24,11 +24,16 @@ namespace gib {
 
 namespace {
 
-// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes, have visited it
-// (Mueller 2017, section 3.3, has 12,000 and larger images).
+// A leaf of the tree over space is cut if more than this number of paths, times the square root of the passes that the field
+// learns from, have visited it (Mueller 2017, section 3.3, has 12,000 and larger images).
 constexpr double crowd = 400;
-// Paths from which an iteration learns, at most about: if the field pays, and if they only see whether it would.
+// Paths from which an iteration learns, at most about: if it follows the field, and if they only see whether that would pay.
 constexpr double enough_paths = 0x1p19, enough_looks = 0x1p13;
+// Images of more pixels do not follow the field in the iterations before the ninth: it does not pay for its time yet. These
+// iterations learn from this share of their paths, or from `enough_looks`.
+constexpr std::size_t many_pixels = 0x1p13;
+constexpr double first_share = 1. / 64;
+constexpr std::uint32_t lesson = 0x30000000;  // dimension of the choice to learn from a path; no vertex has it
 // The field pays if at least this share of the paths comes to concentrated light.
 constexpr double share_that_pays = 0.1;
 
@@ -59,6 +64,8 @@ public:
           stages_(stages),
           runs_(plan.runs(step_eye_paths)),
           learns_(plan.runs(step_learning)),
+          pixels_(static_cast<std::size_t>(scene.sensor().width()) * static_cast<std::size_t>(scene.sensor().height())),
+          first_guided_(pixels_ > many_pixels ? 9 : 0),
           film_(scene.sensor().width(), scene.sensor().height(), shown.accumulated, shown.black),
           field_(scene.bounds(), typical_radiance(scene), settings.memory * 0x1p20) {}
 
@@ -69,15 +76,16 @@ public:
         if (!runs_) return Progress::converged;
         if (learns_ && pass > 0 && std::has_single_bit(passes_)) {
             const auto timer = stages_.time(step_learning);
-            field_.learn(crowd * std::exp2(0.5 * (iteration - 1)));
+            field_.learn(crowd * std::sqrt(std::exp2(iteration - 1) * double{share_of_lessons(iteration - 1)}));
         }
-        const bool tells = learns_ && passes_ % passes_per_lesson(iteration) == 0;
-        const bool follows = tells || pays();
+        const float lessons = learns_ ? share_of_lessons(iteration) : 0;
+        const bool guided = is_guided(iteration);
         rays_ += sample_pixels(scene_, film_, points_, seed_, pass, stages_, step_eye_paths, [=, this] {
             return [=, this, directions = GuidedDirections(field_)](RayQueries& rays, const TracedRay& eye,
                                                                     const Sampler& sampler) mutable {
+                const bool tells = sampler.get_1d(lesson) < lessons;
                 directions.start();
-                PixelSample sample = follows
+                PixelSample sample = tells || guided
                                          ? trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_)
                                          : trace_path(rays, eye, sampler, {max_edges_, light_sampling_});
                 if (tells) directions.tell(field_, sampler);
@@ -99,14 +107,19 @@ public:
 
 private:
     bool pays() const { return field_.concentrated_share() >= share_that_pays; }
-    /// The field learns from one of so many passes of an iteration: more paths than these tell it little, and take time.
-    std::uint32_t passes_per_lesson(std::uint32_t iteration) const {
-        const double paths = std::exp2(iteration) * scene_.sensor().width() * scene_.sensor().height();
-        return static_cast<std::uint32_t>(std::max(paths / (pays() ? enough_paths : enough_looks), 1.));
+    bool is_guided(std::uint32_t iteration) const { return iteration >= first_guided_ && pays(); }
+    /// The share of the paths of an iteration from which the field learns: more paths add little to what it knows, and take time.
+    float share_of_lessons(std::uint32_t iteration) const {
+        const double paths = std::exp2(iteration) * static_cast<double>(pixels_);
+        const double share = (is_guided(iteration) ? enough_paths : enough_looks) / paths;
+        return static_cast<float>(std::min(iteration < first_guided_ ? std::max(share, first_share) : share, 1.));
     }
-    /// The weight of a pass, a power of two near 2^(k / 2). Later passes have learned more. Weights by the variances that the
-    /// passes show, as of Mueller 2019, depend on the samples that they weigh, and bias the image.
-    static std::uint32_t weight_of(std::uint32_t iteration) { return 1u << std::min(iteration / 2, 10u); }
+    /// The weight of a pass, a power of two near 2^(k / 2) for iteration k of those that may follow the field. Later passes have
+    /// learned more. Weights by the variances that the passes show, as of Mueller 2019, depend on the samples that they weigh, and
+    /// bias the image.
+    std::uint32_t weight_of(std::uint32_t iteration) const {
+        return 1u << std::min((std::max(iteration, first_guided_) - first_guided_) / 2, 10u);
+    }
 
     const Scene& scene_;
     PointSet points_;
@@ -115,6 +128,8 @@ private:
     std::uint64_t seed_;
     StageTimes& stages_;
     bool runs_, learns_;
+    std::size_t pixels_;
+    std::uint32_t first_guided_;  ///< iteration
     Film film_;
     RadianceField field_;
     std::uint64_t rays_ = 0;

@@ -123,6 +123,23 @@ TEST(GuidedPath, IsUnbiasedByAWrongField) {
     }
 }
 
+/// The cells of the field after some passes.
+int cells_after(const LoadedScene& scene, std::uint32_t passes) {
+    StageTimes stages;
+    const auto run = ConfiguredMethod(MethodLabel::parse("guided_path")).create({})->start(*scene.scene, 1, stages);
+    for (std::uint32_t pass = 0; pass < passes; ++pass)
+        run->advance(pass);
+    const auto facts = run->facts();
+    return std::stoi(
+        std::find_if(facts.begin(), facts.end(), [](const auto& f) { return f.first == "cells"; })->second);
+}
+TEST(GuidedPath, LearnsFromImagesOfAnySize) {
+    for (const int side : {32, 128}) {
+        const LoadedScene scene = shipped_scene("cornell-box.xml", {{}, std::pair{side, side}});
+        EXPECT_GT(cells_after(scene, 8), 2 * cells_after(scene, 1)) << side;
+    }
+}
+
 const std::vector<std::string> both = {"path", "guided_path"};
 
 TEST(GuidedPath, AgreesWithPath) {
