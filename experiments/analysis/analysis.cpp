@@ -261,11 +261,13 @@ std::string run_command_of(const ResultFolder& folder, const ResultIndex& index)
 }
 
 /// Equal images give no interval of their method's mean energy, because all of them may have missed a rare path.
-/// Exception: a method without random numbers, which is recognized by equal totals and is not unbiased by theory.
+/// Exceptions: a method without random numbers, which is recognized by equal totals and is not unbiased by theory; a
+/// component that the method does not sample, so that its black images are no chance.
 void drop_intervals_of_equal_images(TableRow& row, bool totals_are_equal) {
     if (!row.balance || row.balance->energy.variance.variance != 0) return;
     if (row.balance->verdict != BalanceVerdict::differs || !std::isfinite(row.balance->excess.value)) return;
     if (totals_are_equal && !row.is_unbiased) return;
+    if (row.balance->energy.value == 0 && row.components_missing.touches(row.layer)) return;
     row.balance->verdict = BalanceVerdict::inconclusive;
     row.balance->excess.interval.reset();
 }

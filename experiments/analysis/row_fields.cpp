@@ -121,7 +121,8 @@ bool law_reaches(const PriceLaw& law, double seconds) {
 Field time_field(const TableRow& row, std::size_t target) {
     if (!row.statistics) return {};
     if (!row.has_times) return {State::no_verdict};
-    if (!is_target_resolved(target, row.noise_floor)) return {State::below_noise};
+    if (!is_target_resolved(target, row.noise_floor))
+        return {.state = State::below_noise, .reason = "this error is below the reference's noise"};
     if (row.times[target]) return measured(*row.times[target]);
     if (row.reached[target] > 0)
         return {State::some_seeds, static_cast<double>(row.reached[target]), std::nullopt, Unit::whole, row.seeds};

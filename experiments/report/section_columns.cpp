@@ -42,7 +42,7 @@ const std::vector<SectionColumn>& section_columns() {
          "root of the mean of (x - r)^2 / (r^2 + epsilon) over pixels and channels. Components are divided by the r^2 "
          "+ "
          "epsilon of the total"},
-        {in_noise, "mean squared error [radiance^2]", "", corrected_mse_field, "bias^2 + variance"},
+        {in_noise, "mean squared error [radiance^2]", "", corrected_mse_field, "of bias^2 and variance"},
         {in_noise, "bias^2 [radiance^2]", "bias2", bias2_field,
          "part of the mean squared error that remains when many seeds are averaged"},
         {in_noise, "variance [radiance^2]", "variance", variance_field},

@@ -52,7 +52,7 @@ Section look_section(const Analysis& analysis) {
     Section section{
         "Each method at equal time",
         "Relative RMSE after the time of the fastest method, mean over the seeds. The image, with its FLIP: "
-        "seed 1's last one within that time. Bias or noise: of the final images.",
+        "seed 1's last one, at most a tenth later. Bias or noise: of the final images.",
         {words("method"),
          {"seconds"},
          {"relative RMSE %"},
@@ -256,8 +256,8 @@ Section equal_passes_section(const Analysis& analysis) {
     if (std::ranges::none_of(scenes_of(analysis), is_called_for)) return {};
     Section section = equal_section(
         with_passes_for_seconds(analysis), "At equal passes",
-        "For scenes whose methods had unequal times, or times from a busy machine. Errors after the smallest number of "
-        "passes of any method. A pass is one sample a pixel; its cost differs between methods.",
+        "For scenes whose methods had unequal times, or times from a busy machine. Errors after the smallest mean "
+        "number of passes of any method. A pass is one sample a pixel; its cost differs between methods.",
         false);
     std::erase_if(section.rows, [&](const Row& row) { return !is_called_for(row.scene); });
     return section;
@@ -370,9 +370,10 @@ std::vector<Section> sections(const Analysis& analysis) {
             "reference's own variance."),
         row_section(
             analysis, in_noise, "Bias and noise",
-            "Mean squared error of the final images = bias^2 + variance. The share of bias^2 is that in the square of "
-            "the "
-            "relative RMSE, which weighs pixels differently. Centroid and low frequencies: spectrum of the noise."),
+            "Mean squared error of the final images, and its parts bias^2 and variance. Each is estimated by itself, "
+            "so "
+            "they need not add up. The share of bias^2 is that in the square of the relative RMSE, which weighs pixels "
+            "differently. Centroid and low frequencies: spectrum of the noise."),
         equal_time_section(analysis),
         equal_passes_section(analysis),
         frontier_section(analysis),

@@ -87,7 +87,7 @@ std::string terminal_verdict(const Analysis& whole) {
     std::vector<Line> lines = all.size() <= room ? all : best;
     const std::size_t more = lines.size() > room ? lines.size() - (room - 1) : 0;
     lines.resize(lines.size() - more);
-    lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times", "its error is"});
+    lines.insert(lines.begin(), {"scene", "to", "method", "seconds", "times or RMSE", "its error is"});
     // One scene needs no column.
     const bool has_scenes = std::ranges::any_of(all, [&](const Line& l) { return l.scene != all[0].scene; });
     const std::size_t scene = has_scenes ? width_of(lines, &Line::scene, 16) + 1 : 0,
@@ -105,7 +105,7 @@ std::string terminal_verdict(const Analysis& whole) {
         shown.erase(shown.find_last_not_of(' ') + 1);
         text += shown + "\n";
     }
-    if (has_ties) text += "n.s.: not significantly different from the best (98 %)\n";
+    if (has_ties) text += "n.s.: not significantly different from the best; beside the best: another method is not\n";
     if (more > 0) text += fmt::format("and {} more in table.md\n", more);
     return text;
 }

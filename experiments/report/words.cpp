@@ -273,6 +273,7 @@ FieldText text_of(const Field& field, const std::string& unit) {
             return {fmt::format("no image yet; first after {} s", short_number(field.value)), ""};
         case State::below_noise:
             if (!std::isnan(field.value)) return {"below " + number(field.value), "the reference's noise"};
+            if (*field.reason != '\0') return {field.reason, ""};
             break;
         default:
             break;
