@@ -122,9 +122,11 @@ protected:
             moments.add(mean / room.radiance);
         fmt::print("{}: {:.3f} +- {:.3f}, {} of {} black\n", method().label, moments.mean(), moments.standard_error(),
                    moments.zeros(), seeds);
-        EXPECT_LT(moments.mean(), 1 + 4.5 * moments.standard_error());
+        // The closed forms hold on the axis: elsewhere in the view the pane's is 4e-4 too large, by cos^4, the card's 6e-4.
+        constexpr double accuracy = 1e-3;
+        EXPECT_LT(moments.mean(), 1 + 4.5 * moments.standard_error() + accuracy);
         if (!method().samples_pixels()) return;
-        EXPECT_GT(moments.mean(), 1 - 4.5 * moments.standard_error());
+        EXPECT_GT(moments.mean(), 1 - 4.5 * moments.standard_error() - accuracy);
         EXPECT_LT(moments.standard_error(), 0.25) << "too little light was found for a test";
     }
 };
