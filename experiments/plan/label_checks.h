@@ -19,7 +19,7 @@ void require_passes(const MethodLabel& label, int least, const SourceLocation& w
 /// Throws InputError at `where` if the label has a filter that is not gibench's own, or fewer passes than that takes.
 void require_own_filter(const MethodLabel& label, const SourceLocation& where = {});
 
-/// The name of all unbiased methods together.
+/// The name of all reference methods together.
 inline constexpr std::string_view auto_reference = "auto";
 
 /// The methods that make a reference with this label. Throws InputError at `where` for an unknown method, for

@@ -74,7 +74,7 @@ public:
     void read(const std::string& path, const std::string& state);
 
     /// The disagreements between methods about the components that both sample (`samples(method, component)`). All
-    /// tests together reject methods that agree with a probability of at most 0.1 %.
+    /// tests of a round together reject methods that agree with a probability of at most 0.1 %.
     template <typename Samples>
     std::vector<Disagreement> between_methods(const Samples& samples) const {
         std::vector<Disagreement> pairs;

@@ -1,9 +1,10 @@
 #pragma once
 // The methods that make a reference together, and how their images are combined.
 //
-// The reference methods of `auto` are all unbiased methods. A pilot measures for each method m and component c the
-// variance of one pass, relative as the reference's error and averaged over the image, times the work of a pass: V_cm.
-// Work is the number of rays and of camera samples, times MethodDescription::ray_cost: unlike time, it is the same on
+// The reference methods of `auto` are the unbiased methods with MethodDescription::makes_references. A pilot measures
+// for each method m and component c the variance of one pass, times the work of a pass: V_cm. The variance is relative as
+// the reference's error and averaged over the image. Work is the number of rays and of camera samples, times
+// MethodDescription::ray_cost: unlike time, it is the same on
 // every machine. Wrong work costs time, but no bias. If method m gets the share t_m of the work, the combination of the
 // images of c with weights in proportion to t_m / V_cm has the least variance, 1 / sum over m of (t_m / V_cm). The
 // shares t_m minimize the sum of these variances over the components. If that gains little over the best method, the

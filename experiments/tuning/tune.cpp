@@ -100,7 +100,7 @@ public:
 
 private:
     double seconds() const { return 60 * result_.minutes; }
-    /// The longest time that the best settings of one method can have for a final run, if the search leaves nothing.
+    /// Time that each method can have for a final run if two methods share what the search leaves [s].
     double horizon() const { return (1 - reference_share) * (1 - search_share) * seconds() / (2 * fewest_seeds); }
     static double weight(const TunedMethod& method) {
         return static_cast<double>(1 + settings_per_axis * method.space.axes().size());

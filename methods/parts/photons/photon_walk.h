@@ -37,13 +37,14 @@ struct PhotonWalkResult {
     std::uint64_t rays = 0;
 };
 
-/// Emits exactly `count` photons, and returns those that are stored; the result is the same for any number of
+/// Tries `count` starts of photons, and returns those that are stored; the result is the same for any number of
 /// threads. Each photon starts with 1 / count of the power that its sample of the emission stands for (Jensen 2001,
 /// section 5.1). Throws InputError if the photons would need more memory than there is.
 ///
 /// A photon is stored only if its path and one edge to the eye have at most `max_edges` edges. `aim` is null or a
 /// projection map whose targets include the surfaces that photons of this kind meet first; nothing is
-/// traced if it is empty. If `policy` is not null, photons start and scatter by it, and follow `aim` only where it has no starts of its own. If `log` is not null, the rays are recorded there, which needs with_threads(1, ...).
+/// traced if it is empty. If `policy` is not null, photons start and scatter by it, and follow `aim` only where it has no
+/// starts of its own. If `log` is not null, the rays are recorded there, which needs with_threads(1, ...).
 ///
 /// Photons are independent random numbers, not a low-discrepancy set: the density estimate (k - 1) / (pi r_k^2) is
 /// unbiased for a Poisson process, but off by up to 1 / (2 k) for points that keep apart.

@@ -67,7 +67,7 @@ public:
         sums.d_vcm_ = rules.connects ? squared(light_paths / ray_density) : 0;  // (31)
         return sums;
     }
-    /// At the start of a light's walk: `emission` is Scene::emission_pdf(), `sampling` the density with which light
+    /// At the start of a light's walk: `emission` is LightEmission::density(), `sampling` the density with which light
     /// sampling from the first vertex finds this start [1/sr]; for a point or spot light times the squared distance.
     /// `cos_light` belongs to the normal there (1 without a surface). No walk of the camera finds a light that
     /// `is_delta`.
