@@ -371,17 +371,22 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
 
 Accelerator::~Accelerator() = default;
 
-void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
-    Ray rest = ray;
-    const auto sphere = state_->spheres.intersect(rest);
+void Accelerator::intersect_by_embree(const Ray& ray, std::optional<Intersection>& found) const {
     RTCRayHit rayhit;
-    set_ray(rayhit.ray, rest, state_->scale);
+    set_ray(rayhit.ray, ray, state_->scale);
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     found.reset();
     if (hit.geomID != RTC_INVALID_GEOMETRY_ID)
         found = intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
-    else if (sphere) found = intersection_of(*sphere, 0, no_instance, 0, 0, rest.t_max);
+}
+
+void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
+    if (state_->spheres.empty()) return intersect_by_embree(ray, found);
+    Ray rest = ray;
+    const auto sphere = state_->spheres.intersect(rest);
+    intersect_by_embree(rest, found);
+    if (!found && sphere) found = intersection_of(*sphere, 0, no_instance, 0, 0, rest.t_max);
 }
 
 void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const {
@@ -396,7 +401,7 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
     for (std::size_t i = 0; i < packet_size; ++i) {
         valid[i] = i < rays.size() ? -1 : 0;
         Ray rest = rays[std::min(i, rays.size() - 1)];
-        spheres[i] = state_->spheres.intersect(rest);
+        if (!state_->spheres.empty()) spheres[i] = state_->spheres.intersect(rest);
         const Ray ray = scaled(rest, state_->scale);
         packet.ray.org_x[i] = ray.o.x();
         packet.ray.org_y[i] = ray.o.y();
@@ -432,7 +437,7 @@ Intersection Accelerator::intersection_of(std::uint32_t geometry, std::uint32_t 
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
-    if (state_->spheres.occluded(ray)) return true;
+    if (!state_->spheres.empty() && state_->spheres.occluded(ray)) return true;
     RTCRay occluded;
     set_ray(occluded, ray, state_->scale);
     query(state_->scene, occluded);

@@ -1,6 +1,6 @@
 #pragma once
-// The spheres of a scene with few of them, which are tested all at once. In Embree they would have a tree of their own, which every
-// ray would go through after that of the triangles, and a callback each.
+// The spheres of a scene with few of them, which are tested all at once. In Embree they would have a tree of their
+// own, which every ray would go through after that of the triangles, and a callback each.
 
 #include "common/sampling/sampler.h"
 #include "common/shapes/shape.h"
@@ -24,8 +24,10 @@ public:
         shapes_[count_++] = shape;
     }
 
+    bool empty() const { return count_ == 0; }
+
     /// The shape that the ray meets first, and ends at from then on. Empty if it meets none.
-    std::optional<std::uint32_t> intersect(Ray& ray) const {
+    [[gnu::noinline]] std::optional<std::uint32_t> intersect(Ray& ray) const {
         std::optional<std::uint32_t> shape;
         for (unsigned left = candidates(ray); left != 0; left &= left - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(left));
@@ -36,7 +38,7 @@ public:
         }
         return shape;
     }
-    bool occluded(const Ray& ray) const {
+    [[gnu::noinline]] bool occluded(const Ray& ray) const {
         for (unsigned left = candidates(ray); left != 0; left &= left - 1)
             if (gib::intersect(*spheres_[static_cast<std::size_t>(std::countr_zero(left))], ray)) return true;
         return false;
@@ -44,13 +46,13 @@ public:
 
 private:
     static constexpr float smallest = 1e-30f;  ///< squared lengths below it may have lost digits
-    /// The spheres, as bits, that the ray may meet: those that its line passes within the radius, unless they lie behind it. The
-    /// rounding of a squared distance to the line is less than `rounding` times the squared distance to the origin; numbers that
-    /// have left the range of floats compare as false, so that their sphere stays.
+    /// The spheres, as bits, that the ray may meet: those that its line passes within the radius, unless they lie
+    /// behind it. The rounding of a squared distance to the line is less than `rounding` times the squared distance to
+    /// the origin; numbers that have left the range of floats compare as false, so that their sphere stays.
     unsigned candidates(const Ray& ray) const {
         const unsigned all = (1u << count_) - 1;
         const float d2 = ray.d.squaredNorm();
-        if (count_ == 0 || !(d2 > smallest)) return all;
+        if (!(d2 > smallest)) return all;
         constexpr float rounding = 64 * unit_roundoff;
         const EightFloats fx = x_ - ray.o.x(), fy = y_ - ray.o.y(), fz = z_ - ray.o.z();
         const EightFloats far2 = fx * fx + fy * fy + fz * fz;
