@@ -442,8 +442,10 @@ void leave_to_others(std::vector<MethodShare>& shares, Component c, std::size_t 
     for (MethodShare& share : shares)
         left += share.weight(c);
     if (!(left > 0)) left = shares[greater].weight(c) = 1;
-    for (MethodShare& share : shares)
+    for (MethodShare& share : shares) {
         share.weight(c) /= left;
+        if (share.weight(c) > 0) share.passes = std::max(share.passes, shares[lesser].passes);
+    }
 }
 
 std::string text_of(const std::vector<MethodShare>& shares) {

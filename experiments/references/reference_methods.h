@@ -101,7 +101,8 @@ struct ReferencePlan {
 ReferencePlan plan_of_least_variance(const std::vector<std::string>& methods, const std::vector<MethodPilot>& pilots,
                                      const std::optional<double>& epsilon, double work = 0);
 
-/// Takes a component from the method `lesser`: the others make it, or `greater` if none of them did.
+/// Takes a component from the method `lesser`: the others make it, or `greater` if none of them did. Those that make it
+/// get at least as many passes as `lesser`, because all rounds begin again.
 void leave_to_others(std::vector<MethodShare>& shares, Component c, std::size_t lesser, std::size_t greater);
 
 /// As text, for a reference's metadata, and back; empty if the text is none.

@@ -172,7 +172,11 @@ TEST(MethodShares, AreLeftToOthersWhereOneLacksLight) {
     shares[0].weight(c) = 0.5;
     shares[1].weight(c) = 0.3;
     shares[2].weight(c) = 0.2;
+    for (std::size_t m = 0; m < 3; ++m)
+        shares[m].passes = std::array{8u, 1u, 16u}[m];
     leave_to_others(shares, c, 0, 2);
+    EXPECT_EQ(shares[1].passes, 8u);
+    EXPECT_EQ(shares[2].passes, 16u);
     EXPECT_EQ(shares[0].weight(c), 0);
     EXPECT_NEAR(shares[1].weight(c), 0.6, 1e-12);
     EXPECT_NEAR(shares[2].weight(c), 0.4, 1e-12);
