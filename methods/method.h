@@ -169,7 +169,8 @@ struct MethodDescription {
     /// Time of a ray or camera sample, with all that belongs to it, over that of `path`: the median of five scenes, rounded.
     /// References share their work by it.
     double ray_cost = 1;
-    /// Whether each of its samples starts at the camera and lights its own pixel alone, so that pixels are independent.
+    /// Whether each of its samples lights its own pixel alone, by no more than a lamp that the camera sees: pixels are then
+    /// independent and samples bounded (energy_test.h). Chains to lights at a point have no bound.
     bool samples_pixels_alone = false;
     bool stores_light = false;  ///< its runs have a stored_light() of their own
 };

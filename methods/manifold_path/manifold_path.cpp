@@ -176,7 +176,6 @@ MethodDescription describe_manifold_path() {
                 point_set_of(values), static_cast<int>(values.integer("chain")), max_edges_of(values, defaults)});
         },
         .ray_cost = 2,
-        .samples_pixels_alone = true,
     };
 }
 
