@@ -10,6 +10,7 @@
 
 namespace gib {
 
+/// At most as many spheres as a register has floats.
 class FewSpheres {
 public:
     static constexpr std::size_t most = 8;

@@ -40,8 +40,8 @@ struct Field {
     std::optional<Interval> interval = std::nullopt;
     Unit unit = Unit::number;
     int seeds = 0;  ///< of State::some_seeds
-    /// Of State::not_reached: why the time has no estimate; empty: there is no law of the error. Of State::below_noise: a
-    /// sentence that names what is below, if the value does not.
+    /// Not reached: why the time has no estimate; empty if the error has no law. Below the noise: a sentence that names
+    /// what is below, if the value does not.
     const char* reason = "";
 
     bool is_measured() const { return state == State::measured; }

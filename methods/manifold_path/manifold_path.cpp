@@ -7,9 +7,9 @@
 // the two makes the chains of a lamp; those of point, spot, projector and directional lights are made by nothing else.
 // Parameters: chain = 6 vertices at most between a surface and a light; sampler, spp and max_depth as for all methods.
 // Bias: none, for paths that it makes. The exception is the edge of a caustic: two chains count as one if their
-// directions differ by less than rounding in single precision (1e-5 and more). It leaves out light of delta lights
-// through more than `chain` vertices, through reflections of thin sheets, through bumped, coated or blended surfaces, and
-// through chains that start in a medium.
+// directions differ by less than rounding in single precision (1e-5 and more), and a chain whose direction is not known
+// to 1e-3 is not found. It leaves out light of delta lights through more than `chain` vertices, through reflections of
+// thin sheets, through bumped, coated or blended surfaces, and through chains that start in a medium.
 // A pass: one sample of every pixel.
 // Fails: never; non-finite samples are counted and dropped. A chain that a million seeds did not find again is one of
 // them (the fact `lost`).

@@ -203,7 +203,7 @@ struct Densities {
 bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local, const Vec3& w,
                          const ChainEvents& events, const SurfaceHit& y) const {
     if (!(lights_.probability(y.light) > 0.f) || events.length < 1 || events.length > longest_) return false;
-    // What the straight line leads to may depend on the wavelength, although this path does not.
+    // The chain of the straight line may depend on the wavelength, although this path does not.
     if (scene_.has_dispersion() && !start.stratum)
         start.stratum = static_cast<int>(wavelength_strata * walk.flights.next());
     RayQueries& rays = walk.rays;
