@@ -121,8 +121,8 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     });
     const Moments all(chains.size() + scene.lights().size(), blocks);
     const double cost = all.cost();
-    // The second moments of both ways to make the chains of each light: of chains, if kinds are drawn in proportion to the
-    // roots of theirs at each place; of hits, without the largest term. One rare hit is no reason to sample chains.
+    // The second moments of both ways to make the chains of each light: of chains, if kinds are drawn in proportion to
+    // the roots of theirs at each place; of hits, without the largest term. One rare hit is no reason to sample chains.
     const auto& lights = scene.lights();
     std::vector<double> moment(lights.size()), hits(lights.size()), root(lights.size() * chains.places());
     std::vector<double> largest(lights.size());

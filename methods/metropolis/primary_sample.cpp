@@ -13,7 +13,7 @@ constexpr float largest_step = 1.f / 64;  // of Kelemen et al., section 4.2; the
 /// for others, on the circle [0, 1) (section 4.2).
 EightFloats perturbed(const EightFloats& numbers, const EightFloats& u) {
     const EightFloats v = 2 * u - (u >= 0.5f ? 1.f : 0.f);
-    // (2^-v)^4 by the series of exp(-v ln 2), whose error is 2e-5. Steps up and down have the same lengths all the same.
+    // (2^-v)^4 by the series of exp(-v ln 2), whose error is 2e-5. Steps up and down have the same lengths.
     const EightFloats x = -0.6931472f * v;
     EightFloats power = x * 0 + 1;
     for (const float n : {6.f, 5.f, 4.f, 3.f, 2.f, 1.f})

@@ -4,6 +4,7 @@
 #include "common/scene/scene.h"
 #include "methods/parts/density/kernel.h"
 #include "methods/parts/kd_tree/kd_tree_build.h"
+#include "methods/parts/kd_tree/nearest.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <fmt/format.h>
@@ -41,28 +42,15 @@ struct WeighedPlaces {
 };
 constexpr std::size_t nearest_photons = 10;
 
-/// The squared distance of the tenth nearest of the photons that shine; infinite if fewer lie within `longest`.
-float tenth_distance2(const KdTree<Photon>& photons, const Vec3& p, float longest) {
-    std::array<float, nearest_photons> nearest;  // a heap, the farthest in front
-    nearest.fill(infinity);
-    photons.traverse(
-        p, [&] { return std::min(longest * longest, nearest.front()); },
-        [&](std::uint32_t index, float distance2) {
-            if (!(distance2 < nearest.front()) || !(photons[index].power().mean() > 0.f)) return;
-            std::pop_heap(nearest.begin(), nearest.end());
-            nearest.back() = distance2;
-            std::push_heap(nearest.begin(), nearest.end());
-        });
-    return nearest.front();
-}
-
 WeighedPlaces weighed(const KdTree<Photon>& photons, const std::vector<Vec3>& places, int dimensions, double longest) {
     WeighedPlaces weighed;
     std::vector<double> discs;
+    std::vector<Neighbour> found;
     for (const Vec3& p : places) {
-        const float distance2 = tenth_distance2(photons, p, static_cast<float>(longest));
-        const bool full = distance2 > 0.f && distance2 < infinity;
-        const double disc = full ? std::pow(double{distance2}, 0.5 * dimensions) : double{infinity};
+        const auto shines = [](const Photon& photon, float) { return photon.power().mean() > 0.f; };
+        find_nearest(photons, p, nearest_photons, static_cast<float>(longest), shines, found);
+        const bool full = found.size() == nearest_photons && found.back().distance2 > 0.f;
+        const double disc = full ? std::pow(double{found.back().distance2}, 0.5 * dimensions) : double{infinity};
         weighed.places.push_back({p, disc});
         if (full) discs.push_back(disc);
     }

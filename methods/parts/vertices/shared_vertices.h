@@ -71,7 +71,7 @@ public:
     }
 
 private:
-    // Measured in door-ajar, cornell-box and rooms with a point light and a lamp (experiments/STUDIES.md).
+    // Measured in door-ajar, lamp-in-shade and cornell-box (experiments/STUDIES.md).
     static constexpr std::size_t walks_per_survey = 8;
     static constexpr int picks = 3;
 
