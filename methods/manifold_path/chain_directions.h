@@ -26,7 +26,7 @@ public:
             const std::uint64_t before = walk.rays.count();
             const auto sample = chains_.sample(walk, hit, wo_local, edges_left - 1, counts_);
             on_sample_(walk, sample, walk.rays.count() - before);
-            for (const auto& found : sample) {
+            for (const auto& found : sample.found) {
                 if (!found) continue;
                 add(LobeKind::diffuse, found->light.diffuse);
                 add(LobeKind::specular, found->light.specular);
@@ -46,8 +46,7 @@ public:
             events_ = {0, 0};
         } else if (start_) {
             const bool transmits = next->wi.dot(hit.ng) * walk.wo().dot(hit.ng) < 0.f;
-            if (makes_chains(hit) && events_.length < ChainSampler::longest_possible)
-                events_ = {events_.length + 1, events_.transmits | (transmits ? 1u << events_.length : 0u)};
+            if (makes_chains(hit) && events_.length < ChainSampler::longest_possible) events_.append(transmits);
             else start_.reset();
         }
         return next;

@@ -11,12 +11,14 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
-constexpr std::size_t pixels = 256, pixels_of_block = 16;
-constexpr std::uint64_t paths = 16;  // of a pixel
-/// Share of the choices that follows the first guess: kinds that the pilot has not met are possible.
-constexpr double guessed_share = 0.2;
-// More samples at a point leave the variance between points, which S holds too: on the pool, two gain nothing over one.
-constexpr double fewest_samples = 0.1, most_samples = 1;
+const std::size_t pixels = getenv("PX") ? atoi(getenv("PX")) : 128; constexpr std::size_t pixels_of_block = 16;
+const std::uint64_t paths = getenv("PP") ? atoi(getenv("PP")) : 64;  // of a pixel
+/// Share of the choices that is uniform: kinds that the pilot has not met are possible.
+const double uniform_share = getenv("GG") ? atof(getenv("GG")) : 0.2;
+/// Bounds of the mean number of samples at a point.
+const double fewest_samples = 0.05, most_samples = getenv("MS") ? atof(getenv("MS")) : 1;
+/// Least probability that a sample seeks other chains.
+const double fewest_searches = getenv("RR") ? atof(getenv("RR")) : 0.2;
 
 /// Time of a ray of Newton's method, with the derivatives at its end, over that of another ray: the mean of six scenes.
 constexpr double time_of_chain_ray = 2.5;
@@ -34,19 +36,25 @@ struct PilotPixel {
 struct PilotBlock {
     std::vector<PilotPixel> pixels;
     std::uint64_t rays = 0, chain_rays = 0;
+    /// Of one sample of each light, and one search of each table, at every point.
+    std::vector<double> rays_of_lights, rays_of_tables;
 };
 
 /// The paths of pixels [begin, end) of those that are spread over the image.
 PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_edges, std::size_t begin,
                         std::size_t end) {
-    PilotBlock block{std::vector<PilotPixel>(end - begin)};
+    PilotBlock block{.pixels = std::vector<PilotPixel>(end - begin),
+                     .rays_of_lights = std::vector<double>(scene.lights().size()),
+                     .rays_of_tables = std::vector<double>(chains.tables())};
     ChainCounts counts;
     RayQueries rays(scene);
     std::size_t pixel = 0;
     double by_chains = 0;
     const auto keep_sample = [&](const PathWalk& walk, const ChainSampler::Sample& sample, std::uint64_t took) {
         block.chain_rays += took;
-        for (const auto& found : sample) {
+        block.rays_of_lights[sample.spent[0].number] += sample.spent[0].rays;
+        block.rays_of_tables[sample.spent[1].number] += sample.spent[1].rays;
+        for (const auto& found : sample.found) {
             if (!found) continue;
             const double light = double{luminance(walk.at.beta * found->light.sum())};
             if (!(std::isfinite(light) && light > 0)) continue;
@@ -81,35 +89,116 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
 
 /// The sums of a pilot, of squares relative to those of the pixels' means as in the relative error of an image.
 struct Moments {
-    std::vector<double> chains, hits;  ///< by number of the kind
-    std::vector<double> largest_hit;   ///< largest term of `hits`
-    double rest = 0;
-    std::uint64_t rays = 0, chain_rays = 0;
+    std::vector<double> chains, hits;                    ///< by number of the kind
+    std::vector<double> largest_hit;                     ///< largest term of `hits`
+    std::vector<double> time_of_lights, time_of_tables;  ///< of one sample, or search, at each point
+    double rest = 0, time = 0;                           ///< of all other light
+    std::uint64_t rays = 0;
 
-    Moments(std::size_t size, const std::vector<PilotBlock>& blocks) : chains(size), hits(size), largest_hit(size) {
+    Moments(const ChainSampler& sampler, std::size_t lights, const std::vector<PilotBlock>& blocks)
+        : chains(sampler.size() + lights),
+          hits(chains.size()),
+          largest_hit(chains.size()),
+          time_of_lights(lights),
+          time_of_tables(sampler.tables()) {
         double mean = 0;
         for (const PilotBlock& block : blocks)
             for (const PilotPixel& pixel : block.pixels)
-                mean += pixel.mean / pixels;
+                mean += pixel.mean / static_cast<double>(pixels);
         for (const PilotBlock& block : blocks) {
             rays += block.rays;
-            chain_rays += block.chain_rays;
-            for (const PilotPixel& pixel : block.pixels) {
-                const double weight = mean > 0 ? 1 / (sqr(pixel.mean / mean) + sqr(0.1)) : 0;
-                rest += weight * pixel.rest;
-                for (const Found& found : pixel.found) {
-                    chains[found.number] += weight * found.chains;
-                    hits[found.number] += weight * found.hits;
-                    largest_hit[found.number] = std::max(largest_hit[found.number], weight * found.hits);
-                }
-            }
+            time += static_cast<double>(block.rays - block.chain_rays);
+            for (std::size_t i = 0; i < lights; ++i)
+                time_of_lights[i] += time_of_chain_ray * block.rays_of_lights[i];
+            for (std::size_t i = 0; i < time_of_tables.size(); ++i)
+                time_of_tables[i] += time_of_chain_ray * block.rays_of_tables[i];
+            for (const PilotPixel& pixel : block.pixels)
+                if (mean > 0) add(pixel, 1 / (sqr(pixel.mean / mean) + sqr(0.1)));
         }
     }
-    /// Time of one sample of the chains at each point over that of a path.
-    double cost() const {
-        return time_of_chain_ray * static_cast<double>(chain_rays) /
-               static_cast<double>(std::max<std::uint64_t>(rays - chain_rays, 1));
+
+private:
+    void add(const PilotPixel& pixel, double weight) {
+        rest += weight * pixel.rest;
+        for (const Found& found : pixel.found) {
+            chains[found.number] += weight * found.chains;
+            hits[found.number] += weight * found.hits;
+            largest_hit[found.number] = std::max(largest_hit[found.number], weight * found.hits);
+        }
     }
+};
+
+/// The light of the chains of one lamp.
+class LightOfChains {
+public:
+    LightOfChains(const ChainSampler& sampler, const Moments& all, std::size_t light)
+        : all_(all), light_(light), straight_(all.chains[sampler.number_of_straight(light)]) {
+        double largest = 0;
+        const auto add_hits = [&](std::size_t number) {
+            hits_ += all.hits[number];
+            largest = std::max(largest, all.largest_hit[number]);
+        };
+        add_hits(sampler.number_of_straight(light));
+        for (std::size_t place = 0; place < sampler.places(); ++place) {
+            const std::size_t table = light * sampler.places() + place;
+            double root = 0;
+            for (std::size_t i = table * sampler.kinds(); i < (table + 1) * sampler.kinds(); ++i) {
+                root += std::sqrt(all.chains[i]);
+                add_hits(i);
+            }
+            tables_.push_back({sqr(root), all.time_of_tables[table], 1});
+        }
+        hits_ -= largest;
+        for (int i = 0; i < 10; ++i)
+            balance();
+    }
+
+    /// Mean number of samples at a point.
+    double samples() const { return samples_; }
+    /// Probability of a search, by place.
+    double searches(std::size_t place) const { return tables_[place].searches / samples_; }
+    double root(std::size_t place) const { return std::sqrt(tables_[place].square); }
+    void print() const {
+        fprintf(stderr, "DBG rest %g straight %g hits %g time %g of light %g samples %g pays %d V %g C %g\n", all_.rest, straight_, hits_, all_.time, all_.time_of_lights[light_], samples_, pays(), variance(), time());
+        for (auto& t : tables_) fprintf(stderr, "DBG   table square %g time %g searches %g\n", t.square, t.time, t.searches);
+    }
+    bool pays() const { return variance() * time() < (all_.rest + hits_) * all_.time; }
+
+private:
+    struct Table {
+        double square, time;  ///< of one search at each point
+        double searches;      ///< mean number at a point
+    };
+    double variance() const {
+        double sum = all_.rest + straight_ / samples_;
+        for (const Table& table : tables_)
+            sum += table.square / table.searches;
+        return sum;
+    }
+    double time() const {
+        double sum = all_.time + samples_ * all_.time_of_lights[light_];
+        for (const Table& table : tables_)
+            sum += table.searches * table.time;
+        return sum;
+    }
+    void balance() {
+        const double per_time = time() / std::max(variance(), std::numeric_limits<double>::min());
+        const auto best = [&](double square, double of_time) {
+            return square > 0 ? std::min(std::sqrt(square * per_time / of_time), most_samples) : fewest_samples;
+        };
+        samples_ = best(straight_, all_.time_of_lights[light_]);
+        for (Table& table : tables_) {
+            table.searches = best(table.square, table.time);
+            samples_ = std::max(samples_, table.searches);
+        }
+        for (Table& table : tables_)
+            table.searches = std::max(table.searches, fewest_searches * samples_);
+    }
+
+    const Moments& all_;
+    std::size_t light_;
+    double straight_, hits_ = 0, samples_ = 1;
+    std::vector<Table> tables_;
 };
 
 }  // namespace
@@ -119,59 +208,26 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     parallel_blocks(pixels, pixels_of_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         blocks[block] = follow_paths(scene, chains, max_edges, begin, end);
     });
-    const Moments all(chains.size() + scene.lights().size(), blocks);
-    const double cost = all.cost();
-    // The second moments of both ways to make the chains of each light: of chains, if kinds are drawn in proportion to
-    // the roots of theirs at each place; of hits, without the largest term. One rare hit is no reason to sample chains.
     const auto& lights = scene.lights();
-    std::vector<double> moment(lights.size()), hits(lights.size()), root(lights.size() * chains.places());
-    std::vector<double> largest(lights.size());
-    const auto add_hits = [&](std::size_t light, std::size_t number) {
-        hits[light] += all.hits[number];
-        largest[light] = std::max(largest[light], all.largest_hit[number]);
-    };
-    for (std::size_t i = 0; i < chains.size(); ++i) {
-        root[i / chains.kinds()] += std::sqrt(all.chains[i]);
-        add_hits(i / chains.kinds() / chains.places(), i);
-    }
-    for (std::size_t table = 0; table < root.size(); ++table) {
-        const bool is_straight = table % chains.places() + 1 < chains.places();
-        moment[table / chains.places()] += sqr(root[table]) / (is_straight ? ChainSampler::further_searches : 1);
-    }
-    for (std::size_t l = 0; l < lights.size(); ++l) {
-        moment[l] += all.chains[chains.number_of_straight(l)];
-        add_hits(l, chains.number_of_straight(l));
-        hits[l] -= largest[l];
-    }
-    const auto best_samples = [&](double S) {
-        if (!(S > 0)) return 1.;
-        return std::clamp(std::sqrt(S / (std::max(all.rest, 1e-6 * S) * cost)), fewest_samples, most_samples);
-    };
-    const bool has_delta = std::any_of(lights.begin(), lights.end(), is_delta);
-    std::vector<double> of_lights(lights.size()), of_kinds(chains.size());
-    std::vector<bool> is_made(lights.size());
-    for (std::size_t l = 0; l < lights.size(); ++l) {
-        const std::vector<double> guess = chains.guess(l);
-        const double S = moment[l], s = best_samples(S), guesses = std::accumulate(guess.begin(), guess.end(), 0.);
-        // Beside delta lights, whose chains are sampled anyway, those of a lamp cost no more.
-        const double per_path = has_delta ? 1 : 1 + s * cost;
-        is_made[l] =
-            guesses > 0 && (is_delta(lights[l]) || (S > 0 && (all.rest + S / s) * per_path < all.rest + hits[l]));
-        if (!is_made[l]) continue;
-        of_lights[l] = std::sqrt(S);
-        for (std::size_t table = l * chains.places(); table < (l + 1) * chains.places(); ++table)
+    const Moments all(chains, lights.size(), blocks);
+    ChainSampler::Weights weights{std::vector<double>(lights.size()), std::vector<double>(chains.tables()),
+                                  std::vector<double>(chains.size())};
+    for (std::size_t light = 0; light < lights.size(); ++light) {
+        const LightOfChains of(chains, all, light);
+        if (getenv("DD")) of.print();
+        if (!chains.may_light(light) || !(is_delta(lights[light]) || of.pays())) continue;
+        weights.samples[light] = of.samples();
+        for (std::size_t place = 0; place < chains.places(); ++place) {
+            const std::size_t table = light * chains.places() + place;
+            weights.searches[table] = of.searches(place);
             for (std::size_t k = 0; k < chains.kinds(); ++k) {
                 const std::size_t i = table * chains.kinds() + k;
-                const double known = root[table] > 0 ? std::sqrt(all.chains[i]) / root[table] : 0.;
-                of_kinds[i] = (1 - guessed_share) * known + guessed_share * guess[k] / guesses;
+                const double known = of.root(place) > 0 ? std::sqrt(all.chains[i]) / of.root(place) : 0.;
+                weights.kinds[i] = (1 - uniform_share) * known + uniform_share / static_cast<double>(chains.kinds());
             }
+        }
     }
-    const double roots = std::accumulate(of_lights.begin(), of_lights.end(), 0.);
-    const auto made = static_cast<double>(std::count(is_made.begin(), is_made.end(), true));
-    for (std::size_t l = 0; l < lights.size(); ++l)
-        if (is_made[l])
-            of_lights[l] = (roots > 0 ? (1 - guessed_share) * of_lights[l] / roots : 0.) + guessed_share / made;
-    chains.weigh(best_samples(sqr(roots)), of_lights, of_kinds);
+    chains.weigh(weights);
     return all.rays;
 }
 

@@ -1,7 +1,6 @@
 #include "methods/parts/manifold/chain_light.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace gib {
 
@@ -39,7 +38,10 @@ LobeValues scattered(const SurfaceHit& hit, const Vec3& wo_local, const Vec3& w)
 /// Whether Newton's method has found the same chain twice. Directions may differ by four times the errors of both, and by
 /// 1e-5 for the rounding of p in single precision, which chains magnify. Next to the edge of a caustic two chains are
 /// nearer to each other than that, and are taken for one.
-bool is_same(const Chain& a, const Chain& b) { return double{(a.w - b.w).norm()} <= 1e-5 + 4 * (a.error + b.error); }
+bool is_same(const Chain& a, const Chain& b) {
+    return a.shape == b.shape && a.instance == b.instance && a.events == b.events &&
+           double{(a.w - b.w).norm()} <= 1e-5 + 4 * (a.error + b.error);
+}
 
 /// Points below the horizon of x that are drawn again before a seed fails. Any number leaves the estimate unbiased, since
 /// all trials draw alike. With a tenth of the surface above the horizon, 3 % of the seeds fail.
@@ -70,49 +72,24 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
     }
     const std::size_t lights = scene.lights().size();
     if (surfaces_.empty() || kinds() * lights > most_kinds) return;
-    std::vector<double> of_lights(lights), of_kinds;
-    for (std::size_t light = 0; light < lights; ++light) {
-        const std::vector<double> guessed = guess(light);
-        of_lights[light] = std::any_of(guessed.begin(), guessed.end(), [](double w) { return w > 0; });
-        for (std::size_t place = 0; place < places(); ++place)
-            of_kinds.insert(of_kinds.end(), guessed.begin(), guessed.end());
-    }
-    weigh(1, of_lights, of_kinds);
+    Weights weights{std::vector<double>(lights), std::vector<double>(tables(), 1.), std::vector<double>(size(), 1.)};
+    for (std::size_t light = 0; light < lights; ++light)
+        weights.samples[light] = may_light(light) ? first_samples : 0.;
+    weigh(weights);
 }
 
-std::vector<double> ChainSampler::guess(std::size_t light) const {
-    const auto transmits = [&](const Surface& s) { return scene_.material_of_shape(s.shape).traits().transmission; };
-    const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
+bool ChainSampler::may_light(std::size_t light) const {
     const Light& of = scene_.lights()[light];
-    std::vector<double> weights(kinds(), 0.);
-    if (is_environment(of) || !(power_of(of).maxCoeff() > 0)) return weights;
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-        const Kind kind = kind_of(k);
-        const std::uint32_t bits = kind.events.transmits;
-        const bool is_possible = kind.events.length > 0 && (bits == 0 || any_transmits) &&
-                                 ((bits & 1) == 0 || transmits(surfaces_[kind.surface]));
-        if (is_possible) weights[k] = std::exp2(-kind.events.length);
-    }
-    return weights;
+    return !is_environment(of) && power_of(of).maxCoeff() > 0;
 }
 
-/// The events of length l with the bits b have the number 2^l + b among those of a surface.
-std::size_t ChainSampler::number_of(const Kind& kind) const {
-    return kind.surface * kinds_per_surface() + ((std::size_t{1} << kind.events.length) | kind.events.transmits);
-}
-
-ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
-    const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
-    const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
-    return {number / kinds_per_surface(), {length, events & ((1u << length) - 1)}};
-}
-
-void ChainSampler::weigh(double samples, const std::vector<double>& lights, const std::vector<double>& kinds) {
-    samples_ = samples;
-    lights_ = DiscreteDistribution(lights);
+void ChainSampler::weigh(const Weights& weights) {
+    lights_ = DiscreteDistribution(weights.samples);
+    searches_ = weights.searches;
     kinds_.clear();
-    for (auto begin = kinds.begin(); begin != kinds.end(); begin += static_cast<std::ptrdiff_t>(this->kinds()))
-        kinds_.emplace_back(std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(this->kinds())));
+    const auto step = static_cast<std::ptrdiff_t>(kinds());
+    for (auto begin = weights.kinds.begin(); begin != weights.kinds.end(); begin += step)
+        kinds_.emplace_back(std::vector<double>(begin, begin + step));
 }
 
 std::size_t ChainSampler::find_surface(std::uint32_t shape, std::uint32_t instance) const {
@@ -139,21 +116,27 @@ std::optional<ChainSampler::Kind> ChainSampler::straight_kind(RayQueries& rays, 
         ray = hit->spawn_ray(d);
     }
     if (first == surfaces_.size()) return std::nullopt;
-    return Kind{first, {vertices, (1u << vertices) - 1}};
+    return Kind{first, vertices};
 }
 
-/// Surfaces from most_places - 2 on share a table; places() - 1 is none.
-std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>& straight) const {
-    return light * places() + (straight ? std::min(straight->surface, places() - 2) : places() - 1);
+std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>& straight, bool leads_to_chain) const {
+    if (!straight) return light * places();
+    return light * places() + 1 + 2 * std::min(straight->surface, places() / 2 - 1) + (leads_to_chain ? 1 : 0);
 }
 
-std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local,
-                                        const Kind& kind, const ChainEnd& end, const Vec3& w) const {
-    if (!may_receive(start.hit, wo_local, w)) return std::nullopt;
-    auto chain = find_chain(rays, start, w, kind.events, end);
-    const Surface& surface = surfaces_[kind.surface];
-    if (chain && (chain->shape != surface.shape || chain->instance != surface.instance)) return std::nullopt;
+std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, std::size_t surface,
+                                        const std::optional<Chain>& seed, const ChainEnd& end) const {
+    auto chain = find_chain(rays, start, seed, end);
+    const Surface& first = surfaces_[surface];
+    if (chain && (chain->shape != first.shape || chain->instance != first.instance)) return std::nullopt;
     return chain;
+}
+
+std::optional<Chain> ChainSampler::find_straight(RayQueries& rays, const ChainStart& start, const Vec3& wo_local,
+                                                 const Kind& kind, const ChainEnd& end) const {
+    const Vec3 w = direction_to(end, start.hit.p);
+    if (!may_receive(start.hit, wo_local, w)) return std::nullopt;
+    return find(rays, start, kind.surface, trace_chain(rays, start, w, {kind.length, (1u << kind.length) - 1}), end);
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -184,6 +167,10 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
 
 namespace {
 
+/// A number of trials that depends on the chain alone: 1 / P for its events, twice that for the seeds, and twice again
+/// because the variance of the number doubles that of the light.
+double typical_trials(const Chain& chain) { return 4 / double{chain.probability}; }
+
 /// Densities over directions at x [1/sr] with which chains of q = 1 and one trial, and hits, make a path; for delta lights
 /// over lights.
 struct Densities {
@@ -195,7 +182,7 @@ struct Densities {
           hits(light.delta ? 0.
                            : double{start.hit.bsdf->pdf_w_local(wo_local, start.hit.shading.to_local(chain.w)) *
                                     chain.probability}) {}
-    bool prefer_chains(double q) const { return q * chains > ChainSampler::least_advantage * hits; }
+    bool prefer_chains(double q) const { return q * chains > hits; }
 };
 
 }  // namespace
@@ -213,13 +200,14 @@ bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local,
     const std::size_t surface = find_surface(chain->shape, chain->instance);
     if (!light || surface == surfaces_.size()) return false;
     const ChainEnd end{y.p, false};
-    const Kind kind{surface, events};
     const auto straight = straight_kind(rays, start.hit, end);
-    const auto first =
-        straight ? find(rays, start, wo_local, *straight, end, direction_to(end, start.hit.p)) : std::nullopt;
-    double q = samples_ * double{lights_.probability(y.light)};
-    if (!(first && straight == kind && is_same(*first, *chain)))
-        q *= (first ? further_searches : 1) * double{kinds_[table_of(y.light, straight)].probability(number_of(kind))};
+    const auto first = straight ? find_straight(rays, start, wo_local, *straight, end) : std::nullopt;
+    double q = samples_of(y.light);
+    if (!(first && is_same(*first, *chain))) {
+        const std::size_t table = table_of(y.light, straight, first.has_value());
+        const std::size_t number = number_of({surface, events.length});
+        q *= searches_[table] * double{kinds_[table].probability(number)} / typical_trials(*chain);
+    }
     return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
 
@@ -248,24 +236,32 @@ public:
     std::uint64_t trials() const { return trials_; }
 
     /// The chain that the straight line leads to.
-    std::optional<Chain> find_straight() { return find_from(*straight_, direction_to(end_, start_.hit.p)); }
-    std::optional<Chain> find_by_seed(const Kind& kind) {
+    std::optional<Chain> find_straight() {
+        ++trials_;
+        return chains_.find_straight(walk_.rays, start_, wo_local_, *straight_, end_);
+    }
+    /// The chain that a seed leads to; none if its events are not those of `only`.
+    std::optional<Chain> find_by_seed(const Kind& kind, const ChainEvents* only = nullptr) {
+        ++trials_;
         Vec3 w = Vec3::Zero();
         // Points below the horizon of x are drawn again.
         for (int i = 0; i == 0 || (i < most_redraws && !may_receive(start_.hit, wo_local_, w)); ++i)
             w = (chains_.seed_point(chains_.surfaces_[kind.surface], walk_.flights) - start_.hit.p).normalized();
-        return find_from(kind, w);
+        if (!may_receive(start_.hit, wo_local_, w)) return std::nullopt;
+        return chains_.find(walk_.rays, start_, kind.surface,
+                            draw_chain(walk_.rays, start_, w, kind.length, walk_.flights, only), end_);
     }
 
-    /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light.
+    /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light, and
+    /// `typical` is an n that depends on the chain alone.
     template <typename NumberOf>
-    std::optional<Found> light_of(const Chain& chain, const Kind& kind, std::size_t number, double q, NumberOf&& n_of) {
+    std::optional<Found> light_of(const Chain& chain, std::size_t number, double q, double typical, NumberOf&& n_of) {
         const auto seen = chains_.light_at(chain, light_, y_);
         LobeValues f = scattered(start_.hit, wo_local_, chain.w);
         if (!seen || is_black(seen->Le) || is_black(f.sum())) return std::nullopt;
         const Densities densities(start_, wo_local_, chain, end_, *seen);
-        if (!densities.prefer_chains(q)) return std::nullopt;
-        const Color arriving = seen->Le * transmitted(chain, *seen, kind.events);
+        if (!densities.prefer_chains(q / typical)) return std::nullopt;
+        const Color arriving = seen->Le * transmitted(chain, *seen);
         if (is_black(arriving)) return std::nullopt;
         const double n = n_of(), density = q * densities.chains / n;
         f.diffuse *= arriving / static_cast<float>(density);
@@ -275,16 +271,11 @@ public:
     }
 
 private:
-    std::optional<Chain> find_from(const Kind& kind, const Vec3& w) {
-        ++trials_;
-        return chains_.find(walk_.rays, start_, wo_local_, kind, end_, w);
-    }
-
     /// Weight of the whole chain, from the light to x.
-    Color transmitted(const Chain& chain, const LightSample& seen, const ChainEvents& events) {
+    Color transmitted(const Chain& chain, const LightSample& seen) {
         Color weight = Color::Ones();
         if (chains_.scene_.has_media()) {
-            const auto whole = trace_chain(walk_.rays, start_, chain.w, events, &walk_.flights);
+            const auto whole = trace_chain(walk_.rays, start_, chain.w, chain.events, &walk_.flights);
             if (!whole) return Color::Zero();
             const Vec3 from = offset_origin(*chain.last, seen.wi);
             weight = whole->weight * walk_.rays.transmittance(from, whole->medium, seen, walk_.flights);
@@ -311,35 +302,41 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     if (longest < 1) return {};
     NumberStream& u = walk.flights;
     const auto light = lights_.sample(u.next());
-    const double q = samples_ * double{light.probability};
+    const double q = samples_of(light.index);
+    const std::uint64_t rays = walk.rays.count();
     Search search(*this, walk, hit, wo_local, light.index);
     const std::optional<Kind>& straight = search.straight();
     Sample sample;
     std::optional<Chain> first;
     if (straight) {
         first = search.find_straight();
-        if (first && straight->events.length <= longest)
-            sample[0] = search.light_of(*first, *straight, number_of_straight(light.index), q, [] { return 1.; });
+        if (first && straight->length <= longest)
+            sample.found[0] = search.light_of(*first, number_of_straight(light.index), q, 1., [] { return 1.; });
     }
-    const std::size_t table = table_of(light.index, straight);
-    const double searches = first ? further_searches : 1;
-    if (double{u.next()} < searches && kinds_[table].total() > 0) {
+    const std::size_t table = table_of(light.index, straight, first.has_value());
+    const double searches = q * searches_[table];
+    sample.spent[0] = {light.index, static_cast<double>(walk.rays.count() - rays) / q};
+    if (double{u.next()} < searches_[table] && kinds_[table].total() > 0) {
+        const std::uint64_t before = walk.rays.count();
         const auto choice = kinds_[table].sample(u.next());
         const Kind kind = kind_of(choice.index);
-        const auto other = kind.events.length <= longest ? search.find_by_seed(kind) : std::nullopt;
-        if (other && !(first && *straight == kind && is_same(*other, *first)))
-            sample[1] = search.light_of(*other, kind, table * kinds() + choice.index,
-                                        q * searches * double{choice.probability}, [&] {
-                                            for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                                                const auto again = search.find_by_seed(kind);
-                                                if (again && is_same(*again, *other)) return static_cast<double>(n);
-                                            }
-                                            counts.lost.fetch_add(1, std::memory_order_relaxed);
-                                            return std::numeric_limits<double>::quiet_NaN();
-                                        });
+        const auto other = kind.length <= longest ? search.find_by_seed(kind) : std::nullopt;
+        const auto number_of_trials = [&] {
+            for (std::uint32_t n = 1; n <= most_trials; ++n) {
+                const auto again = search.find_by_seed(kind, &other->events);
+                if (again && is_same(*again, *other)) return static_cast<double>(n);
+            }
+            counts.lost.fetch_add(1, std::memory_order_relaxed);
+            return std::numeric_limits<double>::quiet_NaN();
+        };
+        if (other && !(first && is_same(*other, *first)))
+            sample.found[1] =
+                search.light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
+                                typical_trials(*other), number_of_trials);
+        sample.spent[1] = {table, static_cast<double>(walk.rays.count() - before) / searches};
     }
     counts.trials.fetch_add(search.trials(), std::memory_order_relaxed);
-    counts.chains.fetch_add((sample[0] ? 1u : 0u) + (sample[1] ? 1u : 0u), std::memory_order_relaxed);
+    counts.chains.fetch_add((sample.found[0] ? 1u : 0u) + (sample.found[1] ? 1u : 0u), std::memory_order_relaxed);
     return sample;
 }
 

@@ -45,31 +45,32 @@ class ChainSampler {
 public:
     static constexpr int longest_possible = 8;
     static constexpr std::uint32_t most_trials = 1u << 20;
-    /// Where lamps can be hit, chains make a path only if they are denser by this factor. The number of trials is
-    /// larger than 1 and varies.
-    static constexpr double least_advantage = 4;
-    /// r: probability of a search for other chains where the straight line has led to one. From 0.05 to 1 the variance
-    /// times rays of the pool changes by 5 %.
-    static constexpr double further_searches = 0.1;
+    /// Mean number of samples of each light at a point, at the start.
+    static constexpr double first_samples = 0.5;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
-    /// All kinds of chains of at most `longest` vertices are equally likely at each length. The scene must outlive
-    /// this.
+    /// All kinds of chains of at most `longest` vertices are equally likely. The scene must outlive this.
     ChainSampler(const Scene& scene, int longest);
 
     /// Kinds given what lies ahead are numbered from 0, those of one light and one surface ahead after each other.
     std::size_t size() const { return scene_.lights().size() * places() * kinds(); }
     /// Kinds of one light.
-    std::size_t kinds() const { return surfaces_.size() * kinds_per_surface(); }
-    /// Number of cases of the surface ahead: each of the first surfaces, any other one, or none.
-    std::size_t places() const { return std::min(surfaces_.size(), most_places - 1) + 1; }
-    /// Probabilities of the kinds of a light at the start, up to a factor.
-    std::vector<double> guess(std::size_t light) const;
-    /// Sets the mean number of samples at a point, and the probabilities of lights, and of kinds given what lies ahead, in
-    /// proportion to the weights. Lights without weight are left to other samples.
-    void weigh(double samples, const std::vector<double>& lights, const std::vector<double>& kinds);
-    double samples() const { return samples_; }
+    std::size_t kinds() const { return surfaces_.size() * static_cast<std::size_t>(longest_); }
+    /// Number of cases of what lies ahead: nothing, or one of the first surfaces or any other one, where the straight
+    /// line leads to a chain or to none.
+    std::size_t places() const { return 1 + 2 * std::min(surfaces_.size(), most_surfaces); }
+    /// Distributions of kinds, `places()` of each light after each other.
+    std::size_t tables() const { return scene_.lights().size() * places(); }
+    /// Whether chains may bring light of it.
+    bool may_light(std::size_t light) const;
+    struct Weights {
+        std::vector<double> samples;   ///< mean number at a point, by light; 0: left to other samples
+        std::vector<double> searches;  ///< probability that a sample seeks other chains, by table
+        std::vector<double> kinds;     ///< by number, in proportion to the probabilities in a table
+    };
+    void weigh(const Weights& weights);
+    double samples() const { return lights_.total(); }
     /// Whether any kind can be drawn.
     bool empty() const { return !(lights_.size() > 0 && lights_.total() > 0); }
 
@@ -83,8 +84,14 @@ public:
         double
             hits;  ///< has the mean that luminance^2 of `light` has if samples of the bsdf hit the lamp; 0: they cannot
     };
-    /// By the straight line, and by a seed.
-    using Sample = std::array<std::optional<Found>, 2>;
+    struct Spent {
+        std::size_t number;  ///< of the light, or of the table
+        double rays;         ///< divided by the mean number of samples or searches at a point
+    };
+    struct Sample {
+        std::array<std::optional<Found>, 2> found = {};  ///< by the straight line, and by a seed
+        std::array<Spent, 2> spent = {};                 ///< on the light's straight lines, and on the table's searches
+    };
     /// One sample of the light that reaches the hit, where the walk is, through chains of at most `longest` vertices
     /// that this makes, divided by samples().
     Sample sample(PathWalk& walk, const SurfaceHit& hit, const Vec3& wo_local, int longest, ChainCounts& counts) const;
@@ -98,35 +105,41 @@ private:
         std::uint32_t shape, instance;
     };
     struct Kind {
-        std::size_t surface;
-        ChainEvents events;
-
-        bool operator==(const Kind&) const = default;
+        std::size_t surface;  ///< of x_1
+        int length;           ///< number of vertices
     };
-    static constexpr std::size_t most_places = 16;  ///< bounds the memory of the tables
-    std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
-    std::size_t number_of(const Kind& kind) const;
-    Kind kind_of(std::size_t number) const;
+    static constexpr std::size_t most_surfaces = 7;  ///< with tables of their own, which bounds their memory
+    std::size_t number_of(const Kind& kind) const {
+        return kind.surface * static_cast<std::size_t>(longest_) + static_cast<std::size_t>(kind.length - 1);
+    }
+    Kind kind_of(std::size_t number) const {
+        const auto longest = static_cast<std::size_t>(longest_);
+        return {number / longest, 1 + static_cast<int>(number % longest)};
+    }
     /// The number of a surface, or of surfaces if it is none.
     std::size_t find_surface(std::uint32_t shape, std::uint32_t instance) const;
     /// The transmissions along the straight line to the end; none if something else lies there, or too many do.
     std::optional<Kind> straight_kind(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const;
     /// The kinds' distribution of a light, given the straight kind.
-    std::size_t table_of(std::size_t light, const std::optional<Kind>& straight) const;
+    std::size_t table_of(std::size_t light, const std::optional<Kind>& straight, bool leads_to_chain) const;
+    double samples_of(std::size_t light) const { return samples() * double{lights_.probability(light)}; }
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;
-    /// The chain of this kind that Newton's method finds from w, if x may receive light from there.
-    std::optional<Chain> find(RayQueries& rays, const ChainStart& start, const Vec3& wo_local, const Kind& kind,
-                              const ChainEnd& end, const Vec3& w) const;
+    /// The chain with this first surface that Newton's method finds from the seed.
+    std::optional<Chain> find(RayQueries& rays, const ChainStart& start, std::size_t surface,
+                              const std::optional<Chain>& seed, const ChainEnd& end) const;
+    /// The chain that the straight line leads to, if x may receive light from there.
+    std::optional<Chain> find_straight(RayQueries& rays, const ChainStart& start, const Vec3& wo_local,
+                                       const Kind& kind, const ChainEnd& end) const;
     class Search;
 
     const Scene& scene_;
     int longest_;
     std::vector<Surface> surfaces_;
     std::vector<std::optional<AreaSampler>> area_;  ///< by shape
-    double samples_ = 1;
     DiscreteDistribution lights_;
-    std::vector<DiscreteDistribution> kinds_;  ///< by light and by what lies ahead
+    std::vector<double> searches_;             ///< by table
+    std::vector<DiscreteDistribution> kinds_;  ///< by table
 };
 
 }  // namespace gib

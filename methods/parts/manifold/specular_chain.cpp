@@ -100,15 +100,19 @@ bool makes_chains(const Material& material) {
     return textured && makes_chains(Bsdf(textured->model));
 }
 
-std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
-                                 NumberStream* flights) {
+namespace {
+
+/// The chain along w. `choose` is called at each vertex, (hit, wo), and returns whether it transmits, or nothing to end.
+template <typename Choose>
+std::optional<Chain> follow_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length,
+                                  NumberStream* flights, Choose&& choose) {
     const Scene& scene = rays.scene();
     Chain chain{.w = w, .d = w, .p = from.hit.p.cast<double>()};
     const Frame frame(w);
     chain.dd << frame.s.cast<double>(), frame.t.cast<double>();
     const Medium* medium = scene.medium_beyond(from.hit, w, from.medium);
     Ray ray = from.hit.spawn_ray(w);
-    for (int vertex = 0; vertex < events.length;) {
+    while (chain.events.length < length) {
         auto hit = rays.intersect(ray);
         if (!hit) return std::nullopt;
         if (flights && medium) chain.weight *= medium->transmittance(ray.o, ray.d, (hit->p - ray.o).norm(), *flights);
@@ -117,21 +121,20 @@ std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const
                 scene.disperse(*hit, *from.stratum);
                 chain.is_split = true;
             }
-            const bool transmits = events.transmits_at(vertex);
-            const auto next = delta_ray(*hit, -ray.d, transmits);
+            const std::optional<bool> transmits = choose(*hit, -ray.d, chain.events.length);
+            const auto next = transmits ? delta_ray(*hit, -ray.d, *transmits) : std::nullopt;
             if (!next) return std::nullopt;
-            bend(chain, scene, *hit, *next, transmits);
-            if (vertex == 0) {
-                chain.first = chain.p;
-                chain.first_dp = chain.dp;
-            }
+            bend(chain, scene, *hit, *next, *transmits);
             chain.weight *= next->weight;
             chain.probability *= next->pdf_w;
-            if (vertex == 0) {
+            if (chain.events.length == 0) {
+                chain.first = chain.p;
+                chain.first_dp = chain.dp;
                 chain.shape = hit->shape;
                 chain.instance = hit->instance;
             }
-            if (++vertex == events.length) chain.last = hit;
+            chain.events.append(*transmits);
+            if (chain.events.length == length) chain.last = hit;
         } else {
             chain.weight *= hit->straight_on(ray.d);
         }
@@ -143,9 +146,30 @@ std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const
     return chain;
 }
 
-std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
+}  // namespace
+
+std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
+                                 NumberStream* flights) {
+    return follow_chain(rays, from, w, events.length, flights,
+                        [&](const SurfaceHit&, const Vec3&, int vertex) { return std::optional(events.transmits_at(vertex)); });
+}
+
+std::optional<Chain> draw_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length, NumberStream& u,
+                                const ChainEvents* only) {
+    const auto choose = [&](const SurfaceHit& hit, const Vec3& wo, int vertex) -> std::optional<bool> {
+        bool transmits = false;
+        if (hit.bsdf->traits().transmission) {
+            const auto reflected = delta_ray(hit, wo, false);
+            transmits = u.next() >= (reflected ? reflected->pdf_w : 0.f);
+        }
+        if (only && transmits != only->transmits_at(vertex)) return std::nullopt;
+        return transmits;
+    };
+    return follow_chain(rays, from, w, length, nullptr, choose);
+}
+
+std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, std::optional<Chain> chain,
                                 const ChainEnd& end) {
-    auto chain = trace_chain(rays, from, w, events);
     if (!chain) return std::nullopt;
     Constraint at = constraint_of(*chain, end);
     double damping = 1;
@@ -156,7 +180,7 @@ std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const 
         if (!move.allFinite()) return std::nullopt;  // M is singular, or the ray grazes the surface
         const double limit = std::min(1., longest_step * way.norm() / move.norm());
         const Vec3 turned = (way - damping * limit * move).cast<float>();
-        auto next = trace_chain(rays, from, turned.normalized(), events);
+        auto next = trace_chain(rays, from, turned.normalized(), chain->events);
         Constraint there = at;
         if (next) there = constraint_of(*next, end);
         const bool is_nearer = next && there.mismatch < at.mismatch;

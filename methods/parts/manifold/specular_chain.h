@@ -31,6 +31,10 @@ struct ChainEvents {
 
     bool operator==(const ChainEvents&) const = default;
     bool transmits_at(int vertex) const { return ((transmits >> vertex) & 1u) != 0; }
+    void append(bool transmits_there) {
+        transmits |= transmits_there ? 1u << length : 0u;
+        ++length;
+    }
 };
 
 /// Whether the delta lobe of a hit is a vertex of chains: that of a smooth dielectric, conductor or plastic whose
@@ -56,6 +60,7 @@ struct Chain {
     using Differential = Eigen::Matrix<double, 3, 2>;
 
     Vec3 w;                                        ///< direction at x, unit
+    ChainEvents events = {0, 0};                   ///< of the vertices so far
     Color weight = Color::Ones();                  ///< product of f |cos| of the lobes and of what goes straight on
     float probability = 1.f;                       ///< probability that samples of the bsdfs take these lobes
     std::uint32_t shape = 0, instance = 0;         ///< surface of x_1
@@ -77,8 +82,13 @@ struct Chain {
 std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
                                  NumberStream* flights = nullptr);
 
-/// The chain that Newton's method finds from the direction w. Empty if it does not converge.
-std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
+/// The chain of that length along w whose vertices reflect and transmit with the probabilities of samples of the bsdf.
+/// Empty if a lobe is missing, or if the events are not those of `only`.
+std::optional<Chain> draw_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length, NumberStream& u,
+                                const ChainEvents* only = nullptr);
+
+/// The chain of the same events that Newton's method finds from the seed. Empty if it does not converge.
+std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, std::optional<Chain> seed,
                                 const ChainEnd& end);
 
 /// |det M| of a chain that ends there.

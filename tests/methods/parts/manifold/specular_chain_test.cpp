@@ -131,7 +131,8 @@ TEST(SpecularChain, IsFoundThroughASlabInClosedForm) {
     const double inside = sine / 1.5 / std::sqrt(1 - sine * sine / 2.25);
     const ChainEnd end{Vec3(static_cast<float>(4.5 * tangent + 0.5 * inside), 0, 2), false};
     for (const Vec3& seed : {Vec3(0, 0, 1), Vec3(-5, 6, 6), Vec3(4, 0, 3)}) {
-        const auto chain = find_chain(rays, {x, nullptr, std::nullopt}, seed.normalized(), through, end);
+        const ChainStart start{x, nullptr, std::nullopt};
+        const auto chain = find_chain(rays, start, trace_chain(rays, start, seed.normalized(), through), end);
         ASSERT_TRUE(chain) << seed.transpose();
         EXPECT_NEAR(chain->w.x(), sine, 1e-5);
         EXPECT_NEAR(chain->w.y(), 0, 1e-5);
@@ -164,8 +165,9 @@ TEST(SpecularChain, IsFiniteOrNone) {
                                                 {Vec3(0, 0, 1), true}};
             const ChainEnd& end = ends[i % ends.size()];
             RayQueries rays(body.scene());
-            const auto chain =
-                find_chain(rays, {x, nullptr, std::nullopt}, square_to_cosine_hemisphere(u.get_2d(2)), events, end);
+            const ChainStart start{x, nullptr, std::nullopt};
+            const auto seed = trace_chain(rays, start, square_to_cosine_hemisphere(u.get_2d(2)), events);
+            const auto chain = find_chain(rays, start, seed, end);
             if (!chain) continue;
             ++found;
             EXPECT_TRUE(std::isfinite(determinant_of(*chain, end)) && chain->p.allFinite() && chain->d.allFinite() &&
