@@ -11,17 +11,14 @@ namespace gib {
 namespace {
 
 constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
-const std::size_t pixels = getenv("PX") ? atoi(getenv("PX")) : 128; constexpr std::size_t pixels_of_block = 16;
-const std::uint64_t paths = getenv("PP") ? atoi(getenv("PP")) : 64;  // of a pixel
+constexpr std::size_t pixels = 128, pixels_of_block = 16;
+constexpr std::uint64_t paths = 128;  // of a pixel
 /// Share of the choices that is uniform: kinds that the pilot has not met are possible.
-const double uniform_share = getenv("GG") ? atof(getenv("GG")) : 0.2;
+constexpr double uniform_share = 0.3;
 /// Bounds of the mean number of samples at a point.
-const double fewest_samples = 0.05, most_samples = getenv("MS") ? atof(getenv("MS")) : 1;
+constexpr double fewest_samples = 0.05, most_samples = 1;
 /// Least probability that a sample seeks other chains.
-const double fewest_searches = getenv("RR") ? atof(getenv("RR")) : 0.2;
-
-/// Time of a ray of Newton's method, with the derivatives at its end, over that of another ray: the mean of six scenes.
-constexpr double time_of_chain_ray = 2.5;
+constexpr double fewest_searches = 0.3;
 
 /// Light that chains have brought to a pixel.
 struct Found {
@@ -36,24 +33,23 @@ struct PilotPixel {
 struct PilotBlock {
     std::vector<PilotPixel> pixels;
     std::uint64_t rays = 0, chain_rays = 0;
-    /// Of one sample of each light, and one search of each table, at every point.
-    std::vector<double> rays_of_lights, rays_of_tables;
+    std::vector<double> time_of_lights, time_of_tables;  ///< of a sample or search at each point [rays]
 };
 
 /// The paths of pixels [begin, end) of those that are spread over the image.
 PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_edges, std::size_t begin,
                         std::size_t end) {
     PilotBlock block{.pixels = std::vector<PilotPixel>(end - begin),
-                     .rays_of_lights = std::vector<double>(scene.lights().size()),
-                     .rays_of_tables = std::vector<double>(chains.tables())};
+                     .time_of_lights = std::vector<double>(scene.lights().size()),
+                     .time_of_tables = std::vector<double>(chains.tables())};
     ChainCounts counts;
     RayQueries rays(scene);
     std::size_t pixel = 0;
     double by_chains = 0;
     const auto keep_sample = [&](const PathWalk& walk, const ChainSampler::Sample& sample, std::uint64_t took) {
         block.chain_rays += took;
-        block.rays_of_lights[sample.spent[0].number] += sample.spent[0].rays;
-        block.rays_of_tables[sample.spent[1].number] += sample.spent[1].rays;
+        block.time_of_lights[sample.spent[0].number] += sample.spent[0].time;
+        block.time_of_tables[sample.spent[1].number] += sample.spent[1].time;
         for (const auto& found : sample.found) {
             if (!found) continue;
             const double light = double{luminance(walk.at.beta * found->light.sum())};
@@ -109,9 +105,9 @@ struct Moments {
             rays += block.rays;
             time += static_cast<double>(block.rays - block.chain_rays);
             for (std::size_t i = 0; i < lights; ++i)
-                time_of_lights[i] += time_of_chain_ray * block.rays_of_lights[i];
+                time_of_lights[i] += block.time_of_lights[i];
             for (std::size_t i = 0; i < time_of_tables.size(); ++i)
-                time_of_tables[i] += time_of_chain_ray * block.rays_of_tables[i];
+                time_of_tables[i] += block.time_of_tables[i];
             for (const PilotPixel& pixel : block.pixels)
                 if (mean > 0) add(pixel, 1 / (sqr(pixel.mean / mean) + sqr(0.1)));
         }
@@ -181,18 +177,23 @@ private:
             sum += table.searches * table.time;
         return sum;
     }
+    /// Steps towards the least variance times time. At the least, each part of it has (square / number) : (time number) as
+    /// the sums have. A search needs a sample, so that tables that would be searched more often share the number of
+    /// these.
     void balance() {
-        const double per_time = time() / std::max(variance(), std::numeric_limits<double>::min());
-        const auto best = [&](double square, double of_time) {
-            return square > 0 ? std::min(std::sqrt(square * per_time / of_time), most_samples) : fewest_samples;
-        };
-        samples_ = best(straight_, all_.time_of_lights[light_]);
+        const double ratio = time() / std::max(variance(), std::numeric_limits<double>::min());
+        const auto best = [ratio](double square, double of_time) { return std::sqrt(square * ratio / of_time); };
+        double square = straight_, of_time = all_.time_of_lights[light_];
+        for (const Table& table : tables_)
+            if (table.square > 0 && best(table.square, table.time) > samples_) {
+                square += table.square;
+                of_time += table.time;
+            }
+        samples_ = square > 0 ? std::clamp(best(square, of_time), fewest_samples, most_samples) : fewest_samples;
         for (Table& table : tables_) {
-            table.searches = best(table.square, table.time);
-            samples_ = std::max(samples_, table.searches);
+            const double searches = table.square > 0 ? best(table.square, table.time) : 0;
+            table.searches = std::clamp(searches, fewest_searches * samples_, samples_);
         }
-        for (Table& table : tables_)
-            table.searches = std::max(table.searches, fewest_searches * samples_);
     }
 
     const Moments& all_;

@@ -124,6 +124,22 @@ std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>&
     return light * places() + 1 + 2 * std::min(straight->surface, places() / 2 - 1) + (leads_to_chain ? 1 : 0);
 }
 
+ChainSampler::Kind ChainSampler::draw_kind(std::size_t table, const std::optional<Kind>& straight,
+                                           NumberStream& u) const {
+    if (!straight || u.next() >= along_straight) return kind_of(kinds_[table].sample(u.next()).index);
+    const float length = 2 * u.next();  // below 1: that of the straight line
+    if (length < 1.f) return *straight;
+    return {straight->surface, 1 + static_cast<int>((length - 1) * static_cast<float>(longest_))};
+}
+
+double ChainSampler::probability_of(const Kind& kind, std::size_t table, const std::optional<Kind>& straight) const {
+    const double by_table = double{kinds_[table].probability(number_of(kind))};
+    if (!straight) return by_table;
+    const double by_line =
+        straight->surface == kind.surface ? 0.5 * (straight->length == kind.length) + 0.5 / longest_ : 0.;
+    return (1 - along_straight) * by_table + along_straight * by_line;
+}
+
 std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, std::size_t surface,
                                         const std::optional<Chain>& seed, const ChainEnd& end) const {
     auto chain = find_chain(rays, start, seed, end);
@@ -205,8 +221,7 @@ bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local,
     double q = samples_of(y.light);
     if (!(first && is_same(*first, *chain))) {
         const std::size_t table = table_of(y.light, straight, first.has_value());
-        const std::size_t number = number_of({surface, events.length});
-        q *= searches_[table] * double{kinds_[table].probability(number)} / typical_trials(*chain);
+        q *= searches_[table] * probability_of({surface, events.length}, table, straight) / typical_trials(*chain);
     }
     return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
@@ -240,13 +255,12 @@ public:
         ++trials_;
         return chains_.find_straight(walk_.rays, start_, wo_local_, *straight_, end_);
     }
-    /// The chain that a seed leads to; none if its events are not those of `only`.
-    std::optional<Chain> find_by_seed(const Kind& kind, const ChainEvents* only = nullptr) {
+    /// The chain that a seed leads to; none if its events are not those of `only`. Half of the seeds are the straight
+    /// line's if that has led to a chain.
+    std::optional<Chain> find_by_seed(const Kind& kind, bool straight_leads, const ChainEvents* only = nullptr) {
         ++trials_;
-        Vec3 w = Vec3::Zero();
-        // Points below the horizon of x are drawn again.
-        for (int i = 0; i == 0 || (i < most_redraws && !may_receive(start_.hit, wo_local_, w)); ++i)
-            w = (chains_.seed_point(chains_.surfaces_[kind.surface], walk_.flights) - start_.hit.p).normalized();
+        Vec3 w = straight_leads ? direction_to(end_, start_.hit.p) : Vec3(Vec3::Zero());
+        if (!straight_leads || walk_.flights.next() < 0.5f) w = seed(kind.surface);
         if (!may_receive(start_.hit, wo_local_, w)) return std::nullopt;
         return chains_.find(walk_.rays, start_, kind.surface,
                             draw_chain(walk_.rays, start_, w, kind.length, walk_.flights, only), end_);
@@ -271,6 +285,14 @@ public:
     }
 
 private:
+    /// The direction of a point of the surface. Points below the horizon of x are drawn again.
+    Vec3 seed(std::size_t surface) {
+        Vec3 w = Vec3::Zero();
+        for (int i = 0; i == 0 || (i < most_redraws && !may_receive(start_.hit, wo_local_, w)); ++i)
+            w = (chains_.seed_point(chains_.surfaces_[surface], walk_.flights) - start_.hit.p).normalized();
+        return w;
+    }
+
     /// Weight of the whole chain, from the light to x.
     Color transmitted(const Chain& chain, const LightSample& seen) {
         Color weight = Color::Ones();
@@ -303,39 +325,43 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     NumberStream& u = walk.flights;
     const auto light = lights_.sample(u.next());
     const double q = samples_of(light.index);
-    const std::uint64_t rays = walk.rays.count();
-    Search search(*this, walk, hit, wo_local, light.index);
-    const std::optional<Kind>& straight = search.straight();
+    const auto rays_of = [&walk](const auto& work) {
+        const std::uint64_t before = walk.rays.count();
+        work();
+        return static_cast<double>(walk.rays.count() - before);
+    };
+    std::optional<Search> search;
+    const double straight_rays = rays_of([&] { search.emplace(*this, walk, hit, wo_local, light.index); });
+    const std::optional<Kind>& straight = search->straight();
     Sample sample;
     std::optional<Chain> first;
-    if (straight) {
-        first = search.find_straight();
+    const double chain_rays = rays_of([&] {
+        if (straight) first = search->find_straight();
         if (first && straight->length <= longest)
-            sample.found[0] = search.light_of(*first, number_of_straight(light.index), q, 1., [] { return 1.; });
-    }
+            sample.found[0] = search->light_of(*first, number_of_straight(light.index), q, 1., [] { return 1.; });
+    });
+    sample.spent[0] = {light.index, (straight_rays + time_of_chain_ray * chain_rays) / q};
     const std::size_t table = table_of(light.index, straight, first.has_value());
     const double searches = q * searches_[table];
-    sample.spent[0] = {light.index, static_cast<double>(walk.rays.count() - rays) / q};
-    if (double{u.next()} < searches_[table] && kinds_[table].total() > 0) {
-        const std::uint64_t before = walk.rays.count();
-        const auto choice = kinds_[table].sample(u.next());
-        const Kind kind = kind_of(choice.index);
-        const auto other = kind.length <= longest ? search.find_by_seed(kind) : std::nullopt;
+    const auto seek_other = [&] {
+        const Kind kind = draw_kind(table, straight, u);
+        const auto other = kind.length <= longest ? search->find_by_seed(kind, first.has_value()) : std::nullopt;
+        if (!other || (first && is_same(*other, *first))) return;
         const auto number_of_trials = [&] {
             for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                const auto again = search.find_by_seed(kind, &other->events);
+                const auto again = search->find_by_seed(kind, first.has_value(), &other->events);
                 if (again && is_same(*again, *other)) return static_cast<double>(n);
             }
             counts.lost.fetch_add(1, std::memory_order_relaxed);
             return std::numeric_limits<double>::quiet_NaN();
         };
-        if (other && !(first && is_same(*other, *first)))
-            sample.found[1] =
-                search.light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
-                                typical_trials(*other), number_of_trials);
-        sample.spent[1] = {table, static_cast<double>(walk.rays.count() - before) / searches};
-    }
-    counts.trials.fetch_add(search.trials(), std::memory_order_relaxed);
+        sample.found[1] =
+            search->light_of(*other, table * kinds() + number_of(kind), searches * probability_of(kind, table, straight),
+                             typical_trials(*other), number_of_trials);
+    };
+    if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)
+        sample.spent[1] = {table, time_of_chain_ray * rays_of(seek_other) / searches};
+    counts.trials.fetch_add(search->trials(), std::memory_order_relaxed);
     counts.chains.fetch_add((sample.found[0] ? 1u : 0u) + (sample.found[1] ? 1u : 0u), std::memory_order_relaxed);
     return sample;
 }
