@@ -14,17 +14,17 @@ constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
 constexpr std::size_t pixels = 128, pixels_of_block = 16;
 constexpr std::uint64_t paths = 128;  // of a pixel
 /// Share of the choices that is uniform: kinds that the pilot has not met are possible.
-constexpr double uniform_share = 0.3;
-/// Bounds of the mean number of samples at a point.
-constexpr double fewest_samples = 0.05, most_samples = 1;
+constexpr double uniform_share = 0.4;
+/// Bounds of the mean number of samples of a light at a point.
+constexpr double fewest_samples = 0.1, most_samples = 1;
 /// Least probability that a sample seeks other chains.
 constexpr double fewest_searches = 0.3;
 
 /// Light that chains have brought to a pixel.
 struct Found {
-    std::size_t number;  ///< of the kind, given what lies ahead
-    double chains;       ///< c^2
-    double hits;         ///< an estimate of the square where paths hit the lamp
+    std::size_t light, number;  ///< number of the kind, given what lies ahead
+    double chains;              ///< c^2
+    double hits;                ///< an estimate of the square where paths hit the lamp
 };
 struct PilotPixel {
     std::vector<Found> found;
@@ -56,7 +56,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
             if (!(std::isfinite(light) && light > 0)) continue;
             by_chains += light;
             const double hits = found->hits * sqr(light / double{luminance(found->light.sum())});
-            block.pixels[pixel].found.push_back({found->number, sqr(light) * found->q, hits});
+            block.pixels[pixel].found.push_back({sample.spent[0].number, found->number, sqr(light) * found->q, hits});
         }
     };
     std::vector<double> sum(end - begin), squares(end - begin);
@@ -85,18 +85,14 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
 
 /// The sums of a pilot, of squares relative to those of the pixels' means as in the relative error of an image.
 struct Moments {
-    std::vector<double> chains, hits;                    ///< by number of the kind
-    std::vector<double> largest_hit;                     ///< largest term of `hits`
+    std::vector<double> chains;                          ///< by number of the kind
+    std::vector<double> hits;                            ///< by light
     std::vector<double> time_of_lights, time_of_tables;  ///< of one sample, or search, at each point
     double rest = 0, time = 0;                           ///< of all other light
     std::uint64_t rays = 0;
 
     Moments(const ChainSampler& sampler, std::size_t lights, const std::vector<PilotBlock>& blocks)
-        : chains(sampler.size() + lights),
-          hits(chains.size()),
-          largest_hit(chains.size()),
-          time_of_lights(lights),
-          time_of_tables(sampler.tables()) {
+        : chains(sampler.size() + lights), hits(lights), time_of_lights(lights), time_of_tables(sampler.tables()) {
         double mean = 0;
         for (const PilotBlock& block : blocks)
             for (const PilotPixel& pixel : block.pixels)
@@ -118,8 +114,7 @@ private:
         rest += weight * pixel.rest;
         for (const Found& found : pixel.found) {
             chains[found.number] += weight * found.chains;
-            hits[found.number] += weight * found.hits;
-            largest_hit[found.number] = std::max(largest_hit[found.number], weight * found.hits);
+            hits[found.light] += weight * found.hits;
         }
     }
 };
@@ -129,22 +124,13 @@ class LightOfChains {
 public:
     LightOfChains(const ChainSampler& sampler, const Moments& all, std::size_t light)
         : all_(all), light_(light), straight_(all.chains[sampler.number_of_straight(light)]) {
-        double largest = 0;
-        const auto add_hits = [&](std::size_t number) {
-            hits_ += all.hits[number];
-            largest = std::max(largest, all.largest_hit[number]);
-        };
-        add_hits(sampler.number_of_straight(light));
         for (std::size_t place = 0; place < sampler.places(); ++place) {
             const std::size_t table = light * sampler.places() + place;
-            double root = 0;
-            for (std::size_t i = table * sampler.kinds(); i < (table + 1) * sampler.kinds(); ++i) {
-                root += std::sqrt(all.chains[i]);
-                add_hits(i);
-            }
+            const auto begin = all.chains.begin() + static_cast<std::ptrdiff_t>(table * sampler.kinds());
+            const double root = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(sampler.kinds()), 0.,
+                                                [](double sum, double square) { return sum + std::sqrt(square); });
             tables_.push_back({sqr(root), all.time_of_tables[table], 1});
         }
-        hits_ -= largest;
         for (int i = 0; i < 10; ++i)
             balance();
     }
@@ -154,11 +140,7 @@ public:
     /// Probability of a search, by place.
     double searches(std::size_t place) const { return tables_[place].searches / samples_; }
     double root(std::size_t place) const { return std::sqrt(tables_[place].square); }
-    void print() const {
-        fprintf(stderr, "DBG rest %g straight %g hits %g time %g of light %g samples %g pays %d V %g C %g\n", all_.rest, straight_, hits_, all_.time, all_.time_of_lights[light_], samples_, pays(), variance(), time());
-        for (auto& t : tables_) fprintf(stderr, "DBG   table square %g time %g searches %g\n", t.square, t.time, t.searches);
-    }
-    bool pays() const { return variance() * time() < (all_.rest + hits_) * all_.time; }
+    bool pays() const { return variance() * time() < (all_.rest + all_.hits[light_]) * all_.time; }
 
 private:
     struct Table {
@@ -198,7 +180,7 @@ private:
 
     const Moments& all_;
     std::size_t light_;
-    double straight_, hits_ = 0, samples_ = 1;
+    double straight_, samples_ = 1;
     std::vector<Table> tables_;
 };
 
@@ -215,7 +197,6 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
                                   std::vector<double>(chains.size())};
     for (std::size_t light = 0; light < lights.size(); ++light) {
         const LightOfChains of(chains, all, light);
-        if (getenv("DD")) of.print();
         if (!chains.may_light(light) || !(is_delta(lights[light]) || of.pays())) continue;
         weights.samples[light] = of.samples();
         for (std::size_t place = 0; place < chains.places(); ++place) {
@@ -228,6 +209,9 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
             }
         }
     }
+    const double samples = std::accumulate(weights.samples.begin(), weights.samples.end(), 0.);
+    for (double& of_light : weights.samples)
+        of_light *= std::min(1., most_samples / samples);
     chains.weigh(weights);
     return all.rays;
 }

@@ -124,22 +124,6 @@ std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>&
     return light * places() + 1 + 2 * std::min(straight->surface, places() / 2 - 1) + (leads_to_chain ? 1 : 0);
 }
 
-ChainSampler::Kind ChainSampler::draw_kind(std::size_t table, const std::optional<Kind>& straight,
-                                           NumberStream& u) const {
-    if (!straight || u.next() >= along_straight) return kind_of(kinds_[table].sample(u.next()).index);
-    const float length = 2 * u.next();  // below 1: that of the straight line
-    if (length < 1.f) return *straight;
-    return {straight->surface, 1 + static_cast<int>((length - 1) * static_cast<float>(longest_))};
-}
-
-double ChainSampler::probability_of(const Kind& kind, std::size_t table, const std::optional<Kind>& straight) const {
-    const double by_table = double{kinds_[table].probability(number_of(kind))};
-    if (!straight) return by_table;
-    const double by_line =
-        straight->surface == kind.surface ? 0.5 * (straight->length == kind.length) + 0.5 / longest_ : 0.;
-    return (1 - along_straight) * by_table + along_straight * by_line;
-}
-
 std::optional<Chain> ChainSampler::find(RayQueries& rays, const ChainStart& start, std::size_t surface,
                                         const std::optional<Chain>& seed, const ChainEnd& end) const {
     auto chain = find_chain(rays, start, seed, end);
@@ -221,7 +205,8 @@ bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local,
     double q = samples_of(y.light);
     if (!(first && is_same(*first, *chain))) {
         const std::size_t table = table_of(y.light, straight, first.has_value());
-        q *= searches_[table] * probability_of({surface, events.length}, table, straight) / typical_trials(*chain);
+        q *= searches_[table] * double{kinds_[table].probability(number_of({surface, events.length}))} /
+             typical_trials(*chain);
     }
     return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
@@ -344,7 +329,8 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     const std::size_t table = table_of(light.index, straight, first.has_value());
     const double searches = q * searches_[table];
     const auto seek_other = [&] {
-        const Kind kind = draw_kind(table, straight, u);
+        const auto choice = kinds_[table].sample(u.next());
+        const Kind kind = kind_of(choice.index);
         const auto other = kind.length <= longest ? search->find_by_seed(kind, first.has_value()) : std::nullopt;
         if (!other || (first && is_same(*other, *first))) return;
         const auto number_of_trials = [&] {
@@ -356,7 +342,7 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
             return std::numeric_limits<double>::quiet_NaN();
         };
         sample.found[1] =
-            search->light_of(*other, table * kinds() + number_of(kind), searches * probability_of(kind, table, straight),
+            search->light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
                              typical_trials(*other), number_of_trials);
     };
     if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)

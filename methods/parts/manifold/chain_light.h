@@ -50,9 +50,6 @@ public:
     /// Time of a ray of Newton's method, with the derivatives at its end, over that of another ray: the mean of six
     /// scenes.
     static constexpr double time_of_chain_ray = 2.5;
-    /// Share of the searches where the straight line crosses surfaces that seeks chains with its first surface: half of
-    /// them with its length, the others with any.
-    static constexpr float along_straight = 0.3f;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
@@ -128,8 +125,6 @@ private:
     std::optional<Kind> straight_kind(RayQueries& rays, const SurfaceHit& x, const ChainEnd& end) const;
     /// The kinds' distribution of a light, given the straight kind.
     std::size_t table_of(std::size_t light, const std::optional<Kind>& straight, bool leads_to_chain) const;
-    Kind draw_kind(std::size_t table, const std::optional<Kind>& straight, NumberStream& u) const;
-    double probability_of(const Kind& kind, std::size_t table, const std::optional<Kind>& straight) const;
     double samples_of(std::size_t light) const { return samples() * double{lights_.probability(light)}; }
     Vec3 seed_point(const Surface& surface, NumberStream& u) const;
     std::optional<LightSample> light_at(const Chain& chain, std::uint32_t light, const SurfaceGeometry& y) const;

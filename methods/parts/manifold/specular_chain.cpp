@@ -150,8 +150,9 @@ std::optional<Chain> follow_chain(RayQueries& rays, const ChainStart& from, cons
 
 std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
                                  NumberStream* flights) {
-    return follow_chain(rays, from, w, events.length, flights,
-                        [&](const SurfaceHit&, const Vec3&, int vertex) { return std::optional(events.transmits_at(vertex)); });
+    return follow_chain(rays, from, w, events.length, flights, [&](const SurfaceHit&, const Vec3&, int vertex) {
+        return std::optional(events.transmits_at(vertex));
+    });
 }
 
 std::optional<Chain> draw_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length, NumberStream& u,
