@@ -241,11 +241,11 @@ public:
         return chains_.find_straight(walk_.rays, start_, wo_local_, *straight_, end_);
     }
     /// The chain that a seed leads to; none if its events are not those of `only`. Half of the seeds are the straight
-    /// line's if that has led to a chain.
-    std::optional<Chain> find_by_seed(const Kind& kind, bool straight_leads, const ChainEvents* only = nullptr) {
+    /// line, if its own chain has another length.
+    std::optional<Chain> find_by_seed(const Kind& kind, const ChainEvents* only = nullptr) {
         ++trials_;
-        Vec3 w = straight_leads ? direction_to(end_, start_.hit.p) : Vec3(Vec3::Zero());
-        if (!straight_leads || walk_.flights.next() < 0.5f) w = seed(kind.surface);
+        const bool along_line = straight_ && straight_->length != kind.length && walk_.flights.next() < 0.5f;
+        const Vec3 w = along_line ? direction_to(end_, start_.hit.p) : seed(kind.surface);
         if (!may_receive(start_.hit, wo_local_, w)) return std::nullopt;
         return chains_.find(walk_.rays, start_, kind.surface,
                             draw_chain(walk_.rays, start_, w, kind.length, walk_.flights, only), end_);
@@ -331,11 +331,11 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     const auto seek_other = [&] {
         const auto choice = kinds_[table].sample(u.next());
         const Kind kind = kind_of(choice.index);
-        const auto other = kind.length <= longest ? search->find_by_seed(kind, first.has_value()) : std::nullopt;
+        const auto other = kind.length <= longest ? search->find_by_seed(kind) : std::nullopt;
         if (!other || (first && is_same(*other, *first))) return;
         const auto number_of_trials = [&] {
             for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                const auto again = search->find_by_seed(kind, first.has_value(), &other->events);
+                const auto again = search->find_by_seed(kind, &other->events);
                 if (again && is_same(*again, *other)) return static_cast<double>(n);
             }
             counts.lost.fetch_add(1, std::memory_order_relaxed);
