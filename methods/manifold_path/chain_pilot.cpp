@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
 constexpr std::size_t pixels = 128, pixels_of_block = 16;
 constexpr std::uint64_t paths = 128;  // of a pixel
-/// Share of the choices that is uniform: kinds that the pilot has not met are possible.
-constexpr double uniform_share = 0.4;
+/// Share of the choices that follows the first guess: kinds that the pilot has not met are possible.
+const double guessed_share = getenv("GS") ? atof(getenv("GS")) : 0.25, similar_share = getenv("SS") ? atof(getenv("SS")) : 0.25;
 /// Bounds of the mean number of samples of a light at a point.
 constexpr double fewest_samples = 0.1, most_samples = 1;
 /// Least probability that a sample seeks other chains.
@@ -184,6 +184,26 @@ private:
     std::vector<Table> tables_;
 };
 
+/// Sets the probabilities of the kinds of a table from the squares of their light, whose roots have this sum.
+void set_kinds(double* weights, const double* squares, double sum, const ChainSampler& chains) {
+    const std::vector<double>& guess = chains.first_guess();
+    const auto add = [&](std::size_t begin, std::size_t end) {
+        const double guessed = std::accumulate(guess.begin() + begin, guess.begin() + end, 0.);
+        double known = 0;
+        for (std::size_t k = begin; k < end; ++k)
+            known += std::sqrt(squares[k]);
+        for (std::size_t k = begin; k < end; ++k) {
+            weights[k] = (sum > 0 ? guessed_share : 1) * guess[k];
+            if (known > 0)
+                weights[k] += (1 - guessed_share - similar_share) * std::sqrt(squares[k]) / sum +
+                              similar_share * known / sum * guess[k] / guessed;
+        }
+    };
+    for (std::size_t begin = 0; begin < chains.kinds(); begin += chains.kinds_per_surface())
+        for (std::size_t length = 1; length < chains.kinds_per_surface(); length *= 2)
+            add(begin + length, begin + 2 * length);
+}
+
 }  // namespace
 
 std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edges) {
@@ -202,11 +222,7 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
         for (std::size_t place = 0; place < chains.places(); ++place) {
             const std::size_t table = light * chains.places() + place;
             weights.searches[table] = of.searches(place);
-            for (std::size_t k = 0; k < chains.kinds(); ++k) {
-                const std::size_t i = table * chains.kinds() + k;
-                const double known = of.root(place) > 0 ? std::sqrt(all.chains[i]) / of.root(place) : 0.;
-                weights.kinds[i] = (1 - uniform_share) * known + uniform_share / static_cast<double>(chains.kinds());
-            }
+            set_kinds(&weights.kinds[table * chains.kinds()], &all.chains[table * chains.kinds()], of.root(place), chains);
         }
     }
     const double samples = std::accumulate(weights.samples.begin(), weights.samples.end(), 0.);

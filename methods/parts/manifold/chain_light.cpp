@@ -1,6 +1,8 @@
 #include "methods/parts/manifold/chain_light.h"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 namespace gib {
 
@@ -72,10 +74,44 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
     }
     const std::size_t lights = scene.lights().size();
     if (surfaces_.empty() || kinds() * lights > most_kinds) return;
-    Weights weights{std::vector<double>(lights), std::vector<double>(tables(), 1.), std::vector<double>(size(), 1.)};
+    guess_ = guess();
+    Weights weights{std::vector<double>(lights), std::vector<double>(tables(), 1.), {}};
     for (std::size_t light = 0; light < lights; ++light)
         weights.samples[light] = may_light(light) ? first_samples : 0.;
+    for (std::size_t table = 0; table < tables(); ++table)
+        weights.kinds.insert(weights.kinds.end(), guess_.begin(), guess_.end());
     weigh(weights);
+}
+
+/// The events of length l with the bits b have the number 2^l + b among those of a surface.
+std::size_t ChainSampler::number_of(const Kind& kind) const {
+    return kind.surface * kinds_per_surface() + ((std::size_t{1} << kind.events.length) | kind.events.transmits);
+}
+
+ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
+    const auto events = static_cast<std::uint32_t>(number % kinds_per_surface());
+    const int length = std::max(static_cast<int>(std::bit_width(events)) - 1, 0);
+    return {number / kinds_per_surface(), {length, events & ((1u << length) - 1)}};
+}
+
+std::vector<double> ChainSampler::guess() const {
+    const auto transmits = [&](const Surface& s) { return scene_.material_of_shape(s.shape).traits().transmission; };
+    const auto transmitting = std::count_if(surfaces_.begin(), surfaces_.end(), transmits);
+    const bool has_mirrors = static_cast<std::size_t>(transmitting) < surfaces_.size();
+    const double reflected = transmitting == 0 ? 1 : has_mirrors ? 0.5 : reflected_by_glass;
+    std::vector<double> weights(kinds());
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        const Kind kind = kind_of(k);
+        const int transmissions = std::popcount(kind.events.transmits);
+        const bool is_possible =
+            kind.events.length > 0 && (!kind.events.transmits_at(0) || transmits(surfaces_[kind.surface]));
+        if (is_possible)
+            weights[k] = std::pow(reflected, kind.events.length - transmissions) * std::pow(1 - reflected, transmissions);
+    }
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.);
+    for (double& weight : weights)
+        weight /= sum;
+    return weights;
 }
 
 bool ChainSampler::may_light(std::size_t light) const {
@@ -116,7 +152,7 @@ std::optional<ChainSampler::Kind> ChainSampler::straight_kind(RayQueries& rays, 
         ray = hit->spawn_ray(d);
     }
     if (first == surfaces_.size()) return std::nullopt;
-    return Kind{first, vertices};
+    return Kind{first, {vertices, (1u << vertices) - 1}};
 }
 
 std::size_t ChainSampler::table_of(std::size_t light, const std::optional<Kind>& straight, bool leads_to_chain) const {
@@ -136,7 +172,7 @@ std::optional<Chain> ChainSampler::find_straight(RayQueries& rays, const ChainSt
                                                  const Kind& kind, const ChainEnd& end) const {
     const Vec3 w = direction_to(end, start.hit.p);
     if (!may_receive(start.hit, wo_local, w)) return std::nullopt;
-    return find(rays, start, kind.surface, trace_chain(rays, start, w, {kind.length, (1u << kind.length) - 1}), end);
+    return find(rays, start, kind.surface, trace_chain(rays, start, w, kind.events), end);
 }
 
 Vec3 ChainSampler::seed_point(const Surface& surface, NumberStream& u) const {
@@ -167,9 +203,9 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
 
 namespace {
 
-/// A number of trials that depends on the chain alone: 1 / P for its events, twice that for the seeds, and twice again
-/// because the variance of the number doubles that of the light.
-double typical_trials(const Chain& chain) { return 4 / double{chain.probability}; }
+/// A number of trials that does not vary: twice the usual one, because the variance of the number doubles that of the
+/// light.
+constexpr double typical_trials = 4;
 
 /// Densities over directions at x [1/sr] with which chains of q = 1 and one trial, and hits, make a path; for delta lights
 /// over lights.
@@ -205,8 +241,7 @@ bool ChainSampler::makes(PathWalk& walk, ChainStart start, const Vec3& wo_local,
     double q = samples_of(y.light);
     if (!(first && is_same(*first, *chain))) {
         const std::size_t table = table_of(y.light, straight, first.has_value());
-        q *= searches_[table] * double{kinds_[table].probability(number_of({surface, events.length}))} /
-             typical_trials(*chain);
+        q *= searches_[table] * double{kinds_[table].probability(number_of({surface, events}))} / typical_trials;
     }
     return Densities(start, wo_local, *chain, end, *light).prefer_chains(q);
 }
@@ -240,15 +275,14 @@ public:
         ++trials_;
         return chains_.find_straight(walk_.rays, start_, wo_local_, *straight_, end_);
     }
-    /// The chain that a seed leads to; none if its events are not those of `only`. Half of the seeds are the straight
-    /// line, if its own chain has another length.
-    std::optional<Chain> find_by_seed(const Kind& kind, const ChainEvents* only = nullptr) {
+    /// The chain that a seed leads to. Half of the seeds are the straight line, if its own chain is of another kind.
+    std::optional<Chain> find_by_seed(const Kind& kind) {
         ++trials_;
-        const bool along_line = straight_ && straight_->length != kind.length && walk_.flights.next() < 0.5f;
+        const bool along_line = straight_ && straight_ != kind && walk_.flights.next() < 0.5f;
         const Vec3 w = along_line ? direction_to(end_, start_.hit.p) : seed(kind.surface);
         if (!may_receive(start_.hit, wo_local_, w)) return std::nullopt;
         return chains_.find(walk_.rays, start_, kind.surface,
-                            draw_chain(walk_.rays, start_, w, kind.length, walk_.flights, only), end_);
+                            trace_chain(walk_.rays, start_, w, kind.events), end_);
     }
 
     /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light, and
@@ -322,7 +356,7 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     std::optional<Chain> first;
     const double chain_rays = rays_of([&] {
         if (straight) first = search->find_straight();
-        if (first && straight->length <= longest)
+        if (first && straight->events.length <= longest)
             sample.found[0] = search->light_of(*first, number_of_straight(light.index), q, 1., [] { return 1.; });
     });
     sample.spent[0] = {light.index, (straight_rays + time_of_chain_ray * chain_rays) / q};
@@ -331,11 +365,11 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
     const auto seek_other = [&] {
         const auto choice = kinds_[table].sample(u.next());
         const Kind kind = kind_of(choice.index);
-        const auto other = kind.length <= longest ? search->find_by_seed(kind) : std::nullopt;
+        const auto other = kind.events.length <= longest ? search->find_by_seed(kind) : std::nullopt;
         if (!other || (first && is_same(*other, *first))) return;
         const auto number_of_trials = [&] {
             for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                const auto again = search->find_by_seed(kind, &other->events);
+                const auto again = search->find_by_seed(kind);
                 if (again && is_same(*again, *other)) return static_cast<double>(n);
             }
             counts.lost.fetch_add(1, std::memory_order_relaxed);
@@ -343,7 +377,7 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
         };
         sample.found[1] =
             search->light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
-                             typical_trials(*other), number_of_trials);
+                             typical_trials, number_of_trials);
     };
     if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)
         sample.spent[1] = {table, time_of_chain_ray * rays_of(seek_other) / searches};

@@ -50,6 +50,8 @@ public:
     /// Time of a ray of Newton's method, with the derivatives at its end, over that of another ray: the mean of six
     /// scenes.
     static constexpr double time_of_chain_ray = 2.5;
+    /// Probability of a reflection in the first guess, if all surfaces transmit.
+    static constexpr double reflected_by_glass = 0.2;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
@@ -59,7 +61,10 @@ public:
     /// Kinds given what lies ahead are numbered from 0, those of one light and one surface ahead after each other.
     std::size_t size() const { return scene_.lights().size() * places() * kinds(); }
     /// Kinds of one light.
-    std::size_t kinds() const { return surfaces_.size() * static_cast<std::size_t>(longest_); }
+    std::size_t kinds() const { return surfaces_.size() * kinds_per_surface(); }
+    std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
+    /// A first guess of their probabilities, the same of each light.
+    const std::vector<double>& first_guess() const { return guess_; }
     /// Number of cases of what lies ahead: nothing, or one of the first surfaces or any other one, where the straight
     /// line leads to a chain or to none.
     std::size_t places() const { return 1 + 2 * std::min(surfaces_.size(), most_surfaces); }
@@ -109,16 +114,14 @@ private:
     };
     struct Kind {
         std::size_t surface;  ///< of x_1
-        int length;           ///< number of vertices
+        ChainEvents events;
+
+        bool operator==(const Kind&) const = default;
     };
     static constexpr std::size_t most_surfaces = 7;  ///< with tables of their own, which bounds their memory
-    std::size_t number_of(const Kind& kind) const {
-        return kind.surface * static_cast<std::size_t>(longest_) + static_cast<std::size_t>(kind.length - 1);
-    }
-    Kind kind_of(std::size_t number) const {
-        const auto longest = static_cast<std::size_t>(longest_);
-        return {number / longest, 1 + static_cast<int>(number % longest)};
-    }
+    std::size_t number_of(const Kind& kind) const;
+    Kind kind_of(std::size_t number) const;
+    std::vector<double> guess() const;
     /// The number of a surface, or of surfaces if it is none.
     std::size_t find_surface(std::uint32_t shape, std::uint32_t instance) const;
     /// The transmissions along the straight line to the end; none if something else lies there, or too many do.
@@ -140,6 +143,7 @@ private:
     int longest_;
     std::vector<Surface> surfaces_;
     std::vector<std::optional<AreaSampler>> area_;  ///< by shape
+    std::vector<double> guess_;
     DiscreteDistribution lights_;
     std::vector<double> searches_;             ///< by table
     std::vector<DiscreteDistribution> kinds_;  ///< by table

@@ -100,19 +100,15 @@ bool makes_chains(const Material& material) {
     return textured && makes_chains(Bsdf(textured->model));
 }
 
-namespace {
-
-/// The chain along w. `choose` is called at each vertex, (hit, wo), and returns whether it transmits, or nothing to end.
-template <typename Choose>
-std::optional<Chain> follow_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length,
-                                  NumberStream* flights, Choose&& choose) {
+std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
+                                 NumberStream* flights) {
     const Scene& scene = rays.scene();
-    Chain chain{.w = w, .d = w, .p = from.hit.p.cast<double>()};
+    Chain chain{.w = w, .events = events, .d = w, .p = from.hit.p.cast<double>()};
     const Frame frame(w);
     chain.dd << frame.s.cast<double>(), frame.t.cast<double>();
     const Medium* medium = scene.medium_beyond(from.hit, w, from.medium);
     Ray ray = from.hit.spawn_ray(w);
-    while (chain.events.length < length) {
+    for (int vertex = 0; vertex < events.length;) {
         auto hit = rays.intersect(ray);
         if (!hit) return std::nullopt;
         if (flights && medium) chain.weight *= medium->transmittance(ray.o, ray.d, (hit->p - ray.o).norm(), *flights);
@@ -121,20 +117,19 @@ std::optional<Chain> follow_chain(RayQueries& rays, const ChainStart& from, cons
                 scene.disperse(*hit, *from.stratum);
                 chain.is_split = true;
             }
-            const std::optional<bool> transmits = choose(*hit, -ray.d, chain.events.length);
-            const auto next = transmits ? delta_ray(*hit, -ray.d, *transmits) : std::nullopt;
+            const bool transmits = events.transmits_at(vertex);
+            const auto next = delta_ray(*hit, -ray.d, transmits);
             if (!next) return std::nullopt;
-            bend(chain, scene, *hit, *next, *transmits);
+            bend(chain, scene, *hit, *next, transmits);
             chain.weight *= next->weight;
             chain.probability *= next->pdf_w;
-            if (chain.events.length == 0) {
+            if (vertex == 0) {
                 chain.first = chain.p;
                 chain.first_dp = chain.dp;
                 chain.shape = hit->shape;
                 chain.instance = hit->instance;
             }
-            chain.events.append(*transmits);
-            if (chain.events.length == length) chain.last = hit;
+            if (++vertex == events.length) chain.last = hit;
         } else {
             chain.weight *= hit->straight_on(ray.d);
         }
@@ -144,29 +139,6 @@ std::optional<Chain> follow_chain(RayQueries& rays, const ChainStart& from, cons
     }
     chain.medium = medium;
     return chain;
-}
-
-}  // namespace
-
-std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
-                                 NumberStream* flights) {
-    return follow_chain(rays, from, w, events.length, flights, [&](const SurfaceHit&, const Vec3&, int vertex) {
-        return std::optional(events.transmits_at(vertex));
-    });
-}
-
-std::optional<Chain> draw_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length, NumberStream& u,
-                                const ChainEvents* only) {
-    const auto choose = [&](const SurfaceHit& hit, const Vec3& wo, int vertex) -> std::optional<bool> {
-        bool transmits = false;
-        if (hit.bsdf->traits().transmission) {
-            const auto reflected = delta_ray(hit, wo, false);
-            transmits = u.next() >= (reflected ? reflected->pdf_w : 0.f);
-        }
-        if (only && transmits != only->transmits_at(vertex)) return std::nullopt;
-        return transmits;
-    };
-    return follow_chain(rays, from, w, length, nullptr, choose);
 }
 
 std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, std::optional<Chain> chain,

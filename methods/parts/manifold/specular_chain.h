@@ -60,7 +60,7 @@ struct Chain {
     using Differential = Eigen::Matrix<double, 3, 2>;
 
     Vec3 w;                                        ///< direction at x, unit
-    ChainEvents events = {0, 0};                   ///< of the vertices so far
+    ChainEvents events;                            ///< of its vertices
     Color weight = Color::Ones();                  ///< product of f |cos| of the lobes and of what goes straight on
     float probability = 1.f;                       ///< probability that samples of the bsdfs take these lobes
     std::uint32_t shape = 0, instance = 0;         ///< surface of x_1
@@ -81,11 +81,6 @@ struct Chain {
 /// With `flights` its weight includes estimates of the transmittance of the media up to x_k.
 std::optional<Chain> trace_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, const ChainEvents& events,
                                  NumberStream* flights = nullptr);
-
-/// The chain of that length along w whose vertices reflect and transmit with the probabilities of samples of the bsdf.
-/// Empty if a lobe is missing, or if the events are not those of `only`.
-std::optional<Chain> draw_chain(RayQueries& rays, const ChainStart& from, const Vec3& w, int length, NumberStream& u,
-                                const ChainEvents* only = nullptr);
 
 /// The chain of the same events that Newton's method finds from the seed. Empty if it does not converge.
 std::optional<Chain> find_chain(RayQueries& rays, const ChainStart& from, std::optional<Chain> seed,
