@@ -2,9 +2,11 @@
 
 #include "common/core/parallel.h"
 #include "methods/manifold_path/chain_directions.h"
+#include "methods/parts/emission/light_emission.h"
 #include "methods/parts/transport/pixel_samples.h"
 
 #include <numeric>
+#include <span>
 
 namespace gib {
 
@@ -13,8 +15,9 @@ namespace {
 constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
 constexpr std::size_t pixels = 128, pixels_of_block = 16;
 constexpr std::uint64_t paths = 128;  // of a pixel
+constexpr std::uint32_t photons = 1 << 14;
 /// Share of the choices that follows the first guess: kinds that the pilot has not met are possible.
-const double guessed_share = getenv("GS") ? atof(getenv("GS")) : 0.25, similar_share = getenv("SS") ? atof(getenv("SS")) : 0.25;
+constexpr double guessed_share = 0.4;
 /// Bounds of the mean number of samples of a light at a point.
 constexpr double fewest_samples = 0.1, most_samples = 1;
 /// Least probability that a sample seeks other chains.
@@ -139,7 +142,6 @@ public:
     double samples() const { return samples_; }
     /// Probability of a search, by place.
     double searches(std::size_t place) const { return tables_[place].searches / samples_; }
-    double root(std::size_t place) const { return std::sqrt(tables_[place].square); }
     bool pays() const { return variance() * time() < (all_.rest + all_.hits[light_]) * all_.time; }
 
 private:
@@ -184,52 +186,81 @@ private:
     std::vector<Table> tables_;
 };
 
-/// Sets the probabilities of the kinds of a table from the squares of their light, whose roots have this sum.
-void set_kinds(double* weights, const double* squares, double sum, const ChainSampler& chains) {
-    const std::vector<double>& guess = chains.first_guess();
-    const auto add = [&](std::size_t begin, std::size_t end) {
-        const double guessed = std::accumulate(guess.begin() + begin, guess.begin() + end, 0.);
-        double known = 0;
-        for (std::size_t k = begin; k < end; ++k)
-            known += std::sqrt(squares[k]);
-        for (std::size_t k = begin; k < end; ++k) {
-            weights[k] = (sum > 0 ? guessed_share : 1) * guess[k];
-            if (known > 0)
-                weights[k] += (1 - guessed_share - similar_share) * std::sqrt(squares[k]) / sum +
-                              similar_share * known / sum * guess[k] / guessed;
+/// Probabilities in proportion to the roots of these squares, and, with the share guessed_share, to the guess.
+std::vector<double> mixed(std::span<const double> squares, std::span<const double> guess) {
+    std::vector<double> roots(squares.size());
+    std::transform(squares.begin(), squares.end(), roots.begin(), [](double square) { return std::sqrt(square); });
+    const double sum = std::accumulate(roots.begin(), roots.end(), 0.);
+    const double guesses = std::accumulate(guess.begin(), guess.end(), 0.);
+    for (std::size_t k = 0; k < roots.size(); ++k)
+        roots[k] = sum > 0 ? (1 - guessed_share) * roots[k] / sum + guessed_share * guess[k] / guesses : guess[k];
+    return roots;
+}
+
+/// Adds the power that a photon brings to a surface through a chain to its kind's.
+void follow_photon(RayQueries& rays, const LightEmission& emission, std::uint32_t photon, const ChainSampler& chains,
+                   std::vector<std::vector<double>>& powers) {
+    const Sampler numbers(PointSet::independent, pilot_seed, photon, 0);
+    const auto start = emission.sample(numbers);
+    if (!start) return;
+    NumberStream u(numbers);
+    ChainEvents events{0, 0};  // counted from the last vertex
+    std::optional<SurfaceHit> last;
+    Ray ray = start->sample.ray;
+    for (auto hit = rays.intersect(ray); hit; hit = rays.intersect(ray)) {
+        if (!makes_chains(*hit)) {
+            const std::size_t kind = last ? chains.find_kind(*last, events) : chains.kinds();
+            if (kind < chains.kinds()) powers[start->sample.light][kind] += start->sample.power.sum();
+            return;
         }
-    };
-    for (std::size_t begin = 0; begin < chains.kinds(); begin += chains.kinds_per_surface())
-        for (std::size_t length = 1; length < chains.kinds_per_surface(); length *= 2)
-            add(begin + length, begin + 2 * length);
+        if (events.length == chains.longest()) return;
+        const Vec2 lobe(u.next(), u.next());
+        const auto next = sample_scattering(*hit, hit->shading.to_local(-ray.d), lobe, Vec2::Zero(), Transport::power);
+        if (!next || !next->delta) return;
+        const bool transmits = next->wi.dot(hit->ng) * ray.d.dot(hit->ng) > 0.f;
+        events = {events.length + 1, events.transmits << 1 | (transmits ? 1u : 0u)};
+        ray = hit->spawn_ray(next->wi);
+        last = hit;
+    }
 }
 
 }  // namespace
 
 std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edges) {
+    const auto& lights = scene.lights();
+    std::vector<std::vector<double>> powers(lights.size(), std::vector<double>(chains.kinds()));
+    const LightEmission emission(scene, LightEmission::towards_specular(scene));
+    RayQueries rays(scene);
+    for (std::uint32_t photon = 0; photon < photons; ++photon)
+        follow_photon(rays, emission, photon, chains, powers);
+    ChainSampler::Weights weights = chains.first_weights();
+    for (std::size_t table = 0; table < chains.tables(); ++table) {
+        double* kinds = &weights.kinds[table * chains.kinds()];
+        const auto guess = mixed(powers[table / chains.places()], {kinds, chains.kinds()});
+        std::copy(guess.begin(), guess.end(), kinds);
+    }
+    chains.weigh(weights);
     std::vector<PilotBlock> blocks(pixels / pixels_of_block);
     parallel_blocks(pixels, pixels_of_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
         blocks[block] = follow_paths(scene, chains, max_edges, begin, end);
     });
-    const auto& lights = scene.lights();
     const Moments all(chains, lights.size(), blocks);
-    ChainSampler::Weights weights{std::vector<double>(lights.size()), std::vector<double>(chains.tables()),
-                                  std::vector<double>(chains.size())};
     for (std::size_t light = 0; light < lights.size(); ++light) {
         const LightOfChains of(chains, all, light);
-        if (!chains.may_light(light) || !(is_delta(lights[light]) || of.pays())) continue;
-        weights.samples[light] = of.samples();
+        weights.samples[light] *= is_delta(lights[light]) || of.pays() ? of.samples() : 0;
         for (std::size_t place = 0; place < chains.places(); ++place) {
             const std::size_t table = light * chains.places() + place;
             weights.searches[table] = of.searches(place);
-            set_kinds(&weights.kinds[table * chains.kinds()], &all.chains[table * chains.kinds()], of.root(place), chains);
+            double* kinds = &weights.kinds[table * chains.kinds()];
+            const auto known = mixed({&all.chains[table * chains.kinds()], chains.kinds()}, {kinds, chains.kinds()});
+            std::copy(known.begin(), known.end(), kinds);
         }
     }
     const double samples = std::accumulate(weights.samples.begin(), weights.samples.end(), 0.);
     for (double& of_light : weights.samples)
         of_light *= std::min(1., most_samples / samples);
     chains.weigh(weights);
-    return all.rays;
+    return all.rays + rays.count();
 }
 
 }  // namespace gib

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 namespace gib {
 
@@ -72,15 +71,8 @@ ChainSampler::ChainSampler(const Scene& scene, int longest)
         for (std::uint32_t i = groups.begin[group]; i < groups.begin[group + 1]; ++i)
             add(i, n);
     }
-    const std::size_t lights = scene.lights().size();
-    if (surfaces_.empty() || kinds() * lights > most_kinds) return;
-    guess_ = guess();
-    Weights weights{std::vector<double>(lights), std::vector<double>(tables(), 1.), {}};
-    for (std::size_t light = 0; light < lights; ++light)
-        weights.samples[light] = may_light(light) ? first_samples : 0.;
-    for (std::size_t table = 0; table < tables(); ++table)
-        weights.kinds.insert(weights.kinds.end(), guess_.begin(), guess_.end());
-    weigh(weights);
+    if (surfaces_.empty() || kinds() * scene.lights().size() > most_kinds) return;
+    weigh(first_weights());
 }
 
 /// The events of length l with the bits b have the number 2^l + b among those of a surface.
@@ -94,29 +86,19 @@ ChainSampler::Kind ChainSampler::kind_of(std::size_t number) const {
     return {number / kinds_per_surface(), {length, events & ((1u << length) - 1)}};
 }
 
-std::vector<double> ChainSampler::guess() const {
+ChainSampler::Weights ChainSampler::first_weights() const {
     const auto transmits = [&](const Surface& s) { return scene_.material_of_shape(s.shape).traits().transmission; };
-    const auto transmitting = std::count_if(surfaces_.begin(), surfaces_.end(), transmits);
-    const bool has_mirrors = static_cast<std::size_t>(transmitting) < surfaces_.size();
-    const double reflected = transmitting == 0 ? 1 : has_mirrors ? 0.5 : reflected_by_glass;
-    std::vector<double> weights(kinds());
-    for (std::size_t k = 0; k < weights.size(); ++k) {
-        const Kind kind = kind_of(k);
-        const int transmissions = std::popcount(kind.events.transmits);
-        const bool is_possible =
-            kind.events.length > 0 && (!kind.events.transmits_at(0) || transmits(surfaces_[kind.surface]));
-        if (is_possible)
-            weights[k] = std::pow(reflected, kind.events.length - transmissions) * std::pow(1 - reflected, transmissions);
+    const bool any_transmits = std::any_of(surfaces_.begin(), surfaces_.end(), transmits);
+    Weights weights{{}, std::vector<double>(tables(), 1.), std::vector<double>(size())};
+    for (const Light& light : scene_.lights())
+        weights.samples.push_back(!is_environment(light) && power_of(light).maxCoeff() > 0);
+    for (std::size_t i = 0; i < size(); ++i) {
+        const Kind kind = kind_of(i % kinds());
+        const bool is_possible = kind.events.length > 0 && (kind.events.transmits == 0 || any_transmits) &&
+                                 (!kind.events.transmits_at(0) || transmits(surfaces_[kind.surface]));
+        if (is_possible) weights.kinds[i] = std::exp2(-kind.events.length);
     }
-    const double sum = std::accumulate(weights.begin(), weights.end(), 0.);
-    for (double& weight : weights)
-        weight /= sum;
     return weights;
-}
-
-bool ChainSampler::may_light(std::size_t light) const {
-    const Light& of = scene_.lights()[light];
-    return !is_environment(of) && power_of(of).maxCoeff() > 0;
 }
 
 void ChainSampler::weigh(const Weights& weights) {
@@ -281,8 +263,7 @@ public:
         const bool along_line = straight_ && straight_ != kind && walk_.flights.next() < 0.5f;
         const Vec3 w = along_line ? direction_to(end_, start_.hit.p) : seed(kind.surface);
         if (!may_receive(start_.hit, wo_local_, w)) return std::nullopt;
-        return chains_.find(walk_.rays, start_, kind.surface,
-                            trace_chain(walk_.rays, start_, w, kind.events), end_);
+        return chains_.find(walk_.rays, start_, kind.surface, trace_chain(walk_.rays, start_, w, kind.events), end_);
     }
 
     /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light, and
@@ -375,9 +356,8 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
             counts.lost.fetch_add(1, std::memory_order_relaxed);
             return std::numeric_limits<double>::quiet_NaN();
         };
-        sample.found[1] =
-            search->light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
-                             typical_trials, number_of_trials);
+        sample.found[1] = search->light_of(*other, table * kinds() + choice.index,
+                                           searches * double{choice.probability}, typical_trials, number_of_trials);
     };
     if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)
         sample.spent[1] = {table, time_of_chain_ray * rays_of(seek_other) / searches};

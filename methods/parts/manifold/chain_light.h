@@ -45,13 +45,9 @@ class ChainSampler {
 public:
     static constexpr int longest_possible = 8;
     static constexpr std::uint32_t most_trials = 1u << 20;
-    /// Mean number of samples of each light at a point, at the start.
-    static constexpr double first_samples = 1;
     /// Time of a ray of Newton's method, with the derivatives at its end, over that of another ray: the mean of six
     /// scenes.
     static constexpr double time_of_chain_ray = 2.5;
-    /// Probability of a reflection in the first guess, if all surfaces transmit.
-    static constexpr double reflected_by_glass = 0.2;
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
@@ -62,22 +58,25 @@ public:
     std::size_t size() const { return scene_.lights().size() * places() * kinds(); }
     /// Kinds of one light.
     std::size_t kinds() const { return surfaces_.size() * kinds_per_surface(); }
-    std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
-    /// A first guess of their probabilities, the same of each light.
-    const std::vector<double>& first_guess() const { return guess_; }
+    /// The number, among the kinds of a light, of chains that leave this surface towards x; kinds() if it makes none.
+    std::size_t find_kind(const SurfaceHit& x_1, const ChainEvents& events) const {
+        const std::size_t surface = find_surface(x_1.shape, x_1.instance);
+        return surface < surfaces_.size() ? number_of({surface, events}) : kinds();
+    }
     /// Number of cases of what lies ahead: nothing, or one of the first surfaces or any other one, where the straight
     /// line leads to a chain or to none.
     std::size_t places() const { return 1 + 2 * std::min(surfaces_.size(), most_surfaces); }
     /// Distributions of kinds, `places()` of each light after each other.
     std::size_t tables() const { return scene_.lights().size() * places(); }
-    /// Whether chains may bring light of it.
-    bool may_light(std::size_t light) const;
     struct Weights {
         std::vector<double> samples;   ///< mean number at a point, by light; 0: left to other samples
         std::vector<double> searches;  ///< probability that a sample seeks other chains, by table
         std::vector<double> kinds;     ///< by number, in proportion to the probabilities in a table
     };
+    /// One sample of each light that chains may bring, and all lengths alike.
+    Weights first_weights() const;
     void weigh(const Weights& weights);
+    int longest() const { return longest_; }
     double samples() const { return lights_.total(); }
     /// Whether any kind can be drawn.
     bool empty() const { return !(lights_.size() > 0 && lights_.total() > 0); }
@@ -119,9 +118,9 @@ private:
         bool operator==(const Kind&) const = default;
     };
     static constexpr std::size_t most_surfaces = 7;  ///< with tables of their own, which bounds their memory
+    std::size_t kinds_per_surface() const { return std::size_t{1} << (longest_ + 1); }
     std::size_t number_of(const Kind& kind) const;
     Kind kind_of(std::size_t number) const;
-    std::vector<double> guess() const;
     /// The number of a surface, or of surfaces if it is none.
     std::size_t find_surface(std::uint32_t shape, std::uint32_t instance) const;
     /// The transmissions along the straight line to the end; none if something else lies there, or too many do.
@@ -143,7 +142,6 @@ private:
     int longest_;
     std::vector<Surface> surfaces_;
     std::vector<std::optional<AreaSampler>> area_;  ///< by shape
-    std::vector<double> guess_;
     DiscreteDistribution lights_;
     std::vector<double> searches_;             ///< by table
     std::vector<DiscreteDistribution> kinds_;  ///< by table
