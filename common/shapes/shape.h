@@ -120,6 +120,9 @@ struct SurfaceDerivatives {
 /// has uv only `with_uv`, which takes it two arc tangents.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray,
                            bool with_uv = true);
+/// uv of the point in the unit vector's direction from the centre: longitude and angle from the north pole in the sphere's
+/// own axes, each as a fraction of its range.
+Vec2 uv_of_sphere(const Sphere& sphere, const Vec3& direction);
 /// surface_at() for a shape that is not a mesh.
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv = true);
 
@@ -181,6 +184,16 @@ private:
 };
 
 // The functions below are called for every ray. They are inline, so that the points stay in registers.
+
+/// The point in the unit vector's direction from the centre.
+inline SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
+    SurfacePoint s;
+    s.p = sphere.center + sphere.radius * direction;
+    s.ng = (sphere.flip_normals ? -1.f : 1.f) * direction;
+    // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
+    s.offset = 8.f * unit_roundoff * (sphere.center.cwiseAbs().sum() + 3.f * sphere.radius);
+    return s;
+}
 
 inline SurfacePoint Mesh::Facet::point_at(float b1, float b2) const {
     if (b1 < e1[3] || b2 < e2[3] || 1.f - b1 - b2 < ng[3]) keep_off_edges(b1, b2);
