@@ -31,7 +31,7 @@ struct SphereCone {
 };
 
 /// Empty also for a flipped sphere, which emits inwards and is sampled by area.
-std::optional<SphereCone> emitting_cone(const Sphere& sphere, const Vec3& p) {
+[[gnu::always_inline]] inline std::optional<SphereCone> emitting_cone(const Sphere& sphere, const Vec3& p) {
     if (sphere.flip_normals) return std::nullopt;
     const Vec3 to_center = sphere.center - p;
     const float d2 = to_center.squaredNorm(), r2 = sqr(sphere.radius);

@@ -371,22 +371,18 @@ Accelerator::Accelerator(const std::vector<Shape>& shapes, const InstancedGroups
 
 Accelerator::~Accelerator() = default;
 
-void Accelerator::intersect_by_embree(const Ray& ray, std::optional<Intersection>& found) const {
+void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
+    float t_max = ray.t_max;
+    const std::uint32_t sphere = state_->spheres.empty() ? FewSpheres::none : state_->spheres.intersect(ray, t_max);
     RTCRayHit rayhit;
     set_ray(rayhit.ray, ray, state_->scale);
+    rayhit.ray.tfar = t_max;
     query(state_->scene, rayhit);
     const RTCHit& hit = rayhit.hit;
     found.reset();
     if (hit.geomID != RTC_INVALID_GEOMETRY_ID)
         found = intersection_of(hit.geomID, hit.primID, hit.instID[0], hit.u, hit.v, rayhit.ray.tfar);
-}
-
-void Accelerator::intersect(const Ray& ray, std::optional<Intersection>& found) const {
-    if (state_->spheres.empty()) return intersect_by_embree(ray, found);
-    Ray rest = ray;
-    const auto sphere = state_->spheres.intersect(rest);
-    intersect_by_embree(rest, found);
-    if (!found && sphere) found = intersection_of(*sphere, 0, no_instance, 0, 0, rest.t_max);
+    else if (sphere != FewSpheres::none) found = intersection_of(sphere, 0, no_instance, 0, 0, t_max);
 }
 
 void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<Intersection>> found) const {
@@ -397,12 +393,13 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
     }
     alignas(32) std::array<int, packet_size> valid;
     RTCRayHit8 packet;
-    std::array<std::optional<std::uint32_t>, packet_size> spheres;
+    std::array<std::uint32_t, packet_size> spheres;
     for (std::size_t i = 0; i < packet_size; ++i) {
         valid[i] = i < rays.size() ? -1 : 0;
-        Ray rest = rays[std::min(i, rays.size() - 1)];
-        if (!state_->spheres.empty()) spheres[i] = state_->spheres.intersect(rest);
-        const Ray ray = scaled(rest, state_->scale);
+        const Ray& unscaled = rays[std::min(i, rays.size() - 1)];
+        packet.ray.tfar[i] = unscaled.t_max;
+        spheres[i] = state_->spheres.intersect(unscaled, packet.ray.tfar[i]);
+        const Ray ray = scaled(unscaled, state_->scale);
         packet.ray.org_x[i] = ray.o.x();
         packet.ray.org_y[i] = ray.o.y();
         packet.ray.org_z[i] = ray.o.z();
@@ -411,7 +408,6 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
         packet.ray.dir_y[i] = ray.d.y();
         packet.ray.dir_z[i] = ray.d.z();
         packet.ray.time[i] = 0.f;
-        packet.ray.tfar[i] = ray.t_max;
         packet.ray.mask[i] = ~0u;
         packet.ray.id[i] = 0;
         packet.ray.flags[i] = 0;
@@ -425,7 +421,8 @@ void Accelerator::intersect(std::span<const Ray> rays, std::span<std::optional<I
         if (hit.geomID[i] != RTC_INVALID_GEOMETRY_ID)
             found[i] =
                 intersection_of(hit.geomID[i], hit.primID[i], hit.instID[0][i], hit.u[i], hit.v[i], packet.ray.tfar[i]);
-        else if (spheres[i]) found[i] = intersection_of(*spheres[i], 0, no_instance, 0, 0, packet.ray.tfar[i]);
+        else if (spheres[i] != FewSpheres::none)
+            found[i] = intersection_of(spheres[i], 0, no_instance, 0, 0, packet.ray.tfar[i]);
     }
 }
 

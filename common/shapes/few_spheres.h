@@ -33,15 +33,17 @@ public:
 
     bool empty() const { return count_ == 0; }
 
-    /// The shape that the ray meets first, and ends at from then on. Empty if it meets none.
-    [[gnu::noinline]] std::optional<std::uint32_t> intersect(Ray& ray) const {
-        std::optional<std::uint32_t> shape;
+    static constexpr std::uint32_t none = ~0u;
+    /// The shape that the ray meets first, or none. `t_max` is where the ray ends, and becomes where it meets the shape. The
+    /// results do not share a register: numbers that are written one by one and read as one have to wait for all.
+    [[gnu::noinline]] std::uint32_t intersect(const Ray& ray, float& t_max) const {
+        std::uint32_t shape = none;
         for (std::size_t first = 0; first < count_; first += 4) {
             FourDoubles t;
             for (unsigned left = hits(fours_[first / 4], ray, t); left != 0; left &= left - 1) {
                 const auto i = static_cast<std::size_t>(std::countr_zero(left));
-                if (!(t[i] < double{ray.t_max})) continue;
-                ray.t_max = static_cast<float>(t[i]);
+                if (!(t[i] < double{t_max})) continue;
+                t_max = static_cast<float>(t[i]);
                 shape = shapes_[first + i];
             }
         }
