@@ -85,7 +85,11 @@ struct LightSampler {
     const Vec2& u;
 
     std::optional<LightSample> operator()(const AreaLight& light) const {
-        if (light.is_plain_mesh()) return seen_from_front(light, light.surface.sample_facets(u), light.radiance);
+        return light.is_plain_mesh() ? seen_from_front(light, light.surface.sample_facets(u), light.radiance)
+                                     : sample_other_surface(light);
+    }
+    /// Apart, since meshes would pay for its many registers.
+    [[gnu::noinline]] std::optional<LightSample> sample_other_surface(const AreaLight& light) const {
         const Shape& shape = shapes[light.shape];
         if (const auto* sphere = std::get_if<Sphere>(&shape))
             if (const auto cone = emitting_cone(*sphere, p)) return sample_cone(light, *sphere, *cone, p, u);

@@ -63,7 +63,8 @@ public:
 
     RayQueries& rays;
     const Sampler& sampler;
-    VertexNumbers vertex_numbers;  ///< random numbers of the vertex at the end of the ray, if there may be one
+    /// Random numbers of the next vertex. They are computed before the ray is traced, as the processor overlaps the two.
+    VertexNumbers vertex_numbers;
     NumberStream flights;  ///< random numbers of flights through media
     TracedRay ray;
     PathState at;
@@ -177,16 +178,16 @@ public:
     void go_on(const SurfaceHit& hit, const Vec3& wi) {
         at.previous = hit.p;
         at.previous_side = scene().lit(hit, wo()).side;
+        leave_vertex();
         trace_from(hit, wi);
-        arrive();
     }
     /// The same from a scattering event at p in the medium.
     void go_on(const Vec3& p, const Vec3& wi) {
         at.previous = p;
         at.previous_side = Vec3::Zero();
+        leave_vertex();
         ray.ray = {p, wi};
         rays.trace(ray);
-        arrive();
     }
 
 private:
@@ -194,10 +195,9 @@ private:
     Vec3 flight_start() const { return ray.ray.o + ray.ray.t_min * ray.ray.d; }
     float flight_length() const { return (ray.found ? ray.found->t : ray.ray.t_max) - ray.ray.t_min; }
 
-    void arrive() {
-        ++at.vertex;
+    void leave_vertex() {
+        vertex_numbers = sampler.at_vertex(++at.vertex);
         ray.hides_emitters = false;
-        if (ray.found || at.medium) vertex_numbers = sampler.at_vertex(at.vertex);
     }
     void trace_from(const SurfaceHit& hit, const Vec3& wi) {
         if (scene().has_media()) at.medium = scene().medium_beyond(hit, wi, at.medium);
