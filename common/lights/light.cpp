@@ -43,18 +43,19 @@ struct SphereCone {
 }
 
 Color radiance_of_sphere(const AreaLight& light, const Sphere& sphere, const Vec3& direction) {
-    return light.texture ? light.texture->color(uv_of_sphere(sphere, direction)) : light.radiance;
+    return light.texture ? light.texture->color(sphere.uv_at(direction)) : light.radiance;
 }
 
 std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sphere, const SphereCone& cone,
                                        const Vec3& p, const Vec2& u) {
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
     const Frame frame(cone.axis);
-    // The near intersection along w, with the radius as the unit of length; rays at the rim touch the sphere. In the frame
-    // of the cone, the point n is t w minus (0, 0, d) from the centre. This is written without cancellation, because the
-    // cone of a small or distant sphere is known to more digits than the cosine of its angle. At the rim, rounding moves
-    // the point along the sphere.
-    const float d = cone.distance / sphere.radius, sin2 = sqr(w.x()) + sqr(w.y());
+    // The near intersection along w, with the radius as the unit of length; rays at the rim touch the sphere. In the
+    // frame of the cone, the point n is t w minus (0, 0, d) from the centre. This is written without cancellation,
+    // because the cone of a small or distant sphere is known to more digits than the cosine of its angle. At the rim,
+    // rounding moves the point along the sphere.
+    const float d = cone.distance / sphere.radius;
+    const float one_minus_cos = u.x() * cone.one_minus_cos_max, sin2 = one_minus_cos * (2.f - one_minus_cos);
     const float cos_light = safe_sqrt(1.f - sqr(d) * sin2), t = d * w.z() - cos_light;
     const Vec3 n = frame.to_world(Vec3(t * w.x(), t * w.y(), -d * sin2 - cos_light * w.z()));
     std::optional<LightSample> sample(std::in_place);  // member by member, as in seen_from_front()
@@ -64,7 +65,7 @@ std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sph
     sample->pdf_w = 1.f / cone.solid_angle();
     sample->delta = false;
     sample->cos_light = cos_light;
-    sample->target = shadow_ray_target(point_on_sphere(sphere, n), p);
+    sample->target = shadow_ray_target(sphere.point_at(n), p);
     return sample;
 }
 
@@ -242,7 +243,7 @@ private:
         // As in square_to_cosine_hemisphere: no ray leaves along the surface.
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
         const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
-        const SurfacePoint q = point_on_sphere(sphere, n);
+        const SurfacePoint q = sphere.point_at(n);
         return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, radiance_of_sphere(light, sphere, n)), q.ng};
     }
 

@@ -109,9 +109,9 @@ bool within(const Ray& ray, double t) {
 
 }  // namespace
 
-Vec2 uv_of_sphere(const Sphere& sphere, const Vec3& direction) {
+Vec2 Sphere::uv_at(const Vec3& direction) const {
     // An arc cosine would lose half of the digits near a pole.
-    const Vec3 d = sphere.axes.transpose() * direction;
+    const Vec3 d = axes.transpose() * direction;
     return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
 }
 
@@ -237,11 +237,9 @@ bool has_smooth_normals(const Shape& shape) {
 
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-        const Vec3 from_center = p_ray - sphere->center;
-        // p_ray may be the centre if the sphere is smaller than an ulp of its coordinates; any direction serves then.
-        const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
-        const SurfacePoint s = point_on_sphere(*sphere, direction);
-        return {s, s.ng, with_uv ? uv_of_sphere(*sphere, direction) : no_uv};
+        const Vec3 direction = sphere->direction_to(p_ray);
+        const SurfacePoint s = sphere->point_at(direction);
+        return {s, s.ng, with_uv ? sphere->uv_at(direction) : no_uv};
     }
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray, with_uv);
     const auto& disk = std::get<Disk>(shape);
@@ -299,7 +297,7 @@ SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
         const MeshSample at = sample_mesh(u);
         return mesh->point_at(at.triangle, at.b.x(), at.b.y());
     }
-    if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->point_at(square_to_sphere(u));
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
         const float phi = 2.f * pi * u.y();
         return point_on_cylinder(*cylinder, std::cos(phi) * cylinder->s + std::sin(phi) * cylinder->t, u.x());

@@ -87,6 +87,16 @@ struct Sphere {
     float radius;
     bool flip_normals = false;
     Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: its own x, y, z, orthonormal; uv turn with them
+
+    /// The unit vector from the centre towards p.
+    Vec3 direction_to(const Vec3& p) const;
+    /// The point in the unit vector's direction from the centre.
+    SurfacePoint point_at(const Vec3& direction) const;
+    /// The point nearest to p.
+    SurfacePoint point_near(const Vec3& p) const { return point_at(direction_to(p)); }
+    /// uv of the point in the unit vector's direction: longitude and angle from the north pole in the sphere's own axes, each as a
+    /// fraction of its range.
+    Vec2 uv_at(const Vec3& direction) const;
 };
 
 /// The ellipse center + a du + b dv with a^2 + b^2 <= 1. du and dv are orthogonal and need not have unit length.
@@ -120,9 +130,6 @@ struct SurfaceDerivatives {
 /// has uv only `with_uv`, which takes it two arc tangents.
 SurfaceGeometry surface_at(const Shape& shape, std::uint32_t primitive, float u, float v, const Vec3& p_ray,
                            bool with_uv = true);
-/// uv of the point in the unit vector's direction from the centre: longitude and angle from the north pole in the sphere's
-/// own axes, each as a fraction of its range.
-Vec2 uv_of_sphere(const Sphere& sphere, const Vec3& direction);
 /// surface_at() for a shape that is not a mesh.
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv = true);
 
@@ -185,13 +192,18 @@ private:
 
 // The functions below are called for every ray. They are inline, so that the points stay in registers.
 
-/// The point in the unit vector's direction from the centre.
-inline SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
+inline Vec3 Sphere::direction_to(const Vec3& p) const {
+    const Vec3 from_center = p - center;
+    // A point of a sphere smaller than an ulp of its coordinates may be the centre; any direction serves there.
+    return from_center.isZero(0) ? Vec3(axes.col(2)) : from_center.normalized();
+}
+
+inline SurfacePoint Sphere::point_at(const Vec3& direction) const {
     SurfacePoint s;
-    s.p = sphere.center + sphere.radius * direction;
-    s.ng = (sphere.flip_normals ? -1.f : 1.f) * direction;
+    s.p = center + radius * direction;
+    s.ng = (flip_normals ? -1.f : 1.f) * direction;
     // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
-    s.offset = 8.f * unit_roundoff * (sphere.center.cwiseAbs().sum() + 3.f * sphere.radius);
+    s.offset = 8.f * unit_roundoff * (center.cwiseAbs().sum() + 3.f * radius);
     return s;
 }
 
