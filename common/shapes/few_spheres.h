@@ -34,8 +34,8 @@ public:
     bool empty() const { return count_ == 0; }
 
     static constexpr std::uint32_t none = ~0u;
-    /// The shape that the ray meets first, or none. `t_max` is where the ray ends, and becomes where it meets the shape. The
-    /// results do not share a register: numbers that are written one by one and read as one have to wait for all.
+    /// The shape that the ray meets first, or none. `t_max` is where the ray ends, and becomes where it meets the shape.
+    /// The two results do not share a register, which would wait until both are stored.
     [[gnu::noinline]] std::uint32_t intersect(const Ray& ray, float& t_max) const {
         std::uint32_t shape = none;
         for (std::size_t first = 0; first < count_; first += 4) {

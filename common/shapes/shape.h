@@ -94,8 +94,8 @@ struct Sphere {
     SurfacePoint point_at(const Vec3& direction) const;
     /// The point nearest to p.
     SurfacePoint point_near(const Vec3& p) const { return point_at(direction_to(p)); }
-    /// uv of the point in the unit vector's direction: longitude and angle from the north pole in the sphere's own axes, each as a
-    /// fraction of its range.
+    /// uv of the point in the unit vector's direction: longitude and angle from the north pole in the sphere's own
+    /// axes, each as a fraction of its range.
     Vec2 uv_at(const Vec3& direction) const;
 };
 
