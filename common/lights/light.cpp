@@ -30,54 +30,42 @@ struct SphereCone {
     float solid_angle() const { return 2.f * pi * one_minus_cos_max; }
 };
 
-std::optional<SphereCone> cone_to_sphere(const Sphere& sphere, const Vec3& p) {
+/// Empty also for a flipped sphere, which emits inwards and is sampled by area.
+[[gnu::always_inline]] inline std::optional<SphereCone> emitting_cone(const Sphere& sphere, const Vec3& p) {
+    if (sphere.flip_normals) return std::nullopt;
     const Vec3 to_center = sphere.center - p;
     const float d2 = to_center.squaredNorm(), r2 = sqr(sphere.radius);
     // Inside or on the sphere there is no cone; a margin keeps the division below well conditioned.
     if (d2 <= r2 * 1.0001f) return std::nullopt;
-    const float d = std::sqrt(d2), sin2 = r2 / d2;
-    // 1 - cos = sin^2 / (1 + cos), which does not cancel for a distant sphere.
-    return SphereCone{to_center / d, d, sin2 / (1.f + safe_sqrt(1.f - sin2))};
+    // 1 - cos = (d - tangent) / d = r^2 / (d (d + tangent)), which does not cancel for a distant sphere.
+    const float d = std::sqrt(d2), tangent = std::sqrt(d2 - r2);
+    return SphereCone{to_center * (1.f / d), d, r2 / (d2 + d * tangent)};
 }
 
-/// The cone of a sphere that emits outwards. A flipped sphere emits inwards and is sampled by area.
-std::optional<SphereCone> emitting_cone(const Shape& shape, const Vec3& p) {
-    const auto* sphere = std::get_if<Sphere>(&shape);
-    return sphere && !sphere->flip_normals ? cone_to_sphere(*sphere, p) : std::nullopt;
+Color radiance_of_sphere(const AreaLight& light, const Sphere& sphere, const Vec3& direction) {
+    return light.texture ? light.texture->color(sphere.uv_at(direction)) : light.radiance;
 }
 
-/// The point of a sphere in the direction n from its centre. surface_at() computes the direction from the difference
-/// of a point and the centre. A point far out is passed to it, for which rounding changes the direction least: this
-/// matters if the radius is about an ulp of the centre.
-SurfaceGeometry place_on_sphere(const AreaLight& light, const Shape& shape, const Vec3& n) {
-    const auto& sphere = std::get<Sphere>(shape);
-    const float lever = std::max(sphere.radius, sphere.center.cwiseAbs().maxCoeff());
-    return surface_at_analytic(shape, sphere.center + lever * n, light.texture.has_value());
-}
-
-std::optional<LightSample> sample_cone(const AreaLight& light, const Shape& shape, const SphereCone& cone,
+std::optional<LightSample> sample_cone(const AreaLight& light, const Sphere& sphere, const SphereCone& cone,
                                        const Vec3& p, const Vec2& u) {
     const Vec3 w = square_to_cone(u, cone.one_minus_cos_max);
     const Frame frame(cone.axis);
-    const Vec3 wi = frame.to_world(w);
-    // The near intersection along wi; rays at the rim touch the sphere. In the frame of the cone, it is t w minus (0,
-    // 0, distance) from the centre. This is written without cancellation, because the cone of a small or distant
-    // sphere is known to more digits than the cosine of its angle.
-    const double x = double{w.x()}, y = double{w.y()}, sin2 = sqr(x) + sqr(y), cosine = std::sqrt(1 - sin2);
-    const double d = double{cone.distance}, r = double{std::get<Sphere>(shape).radius};
-    const double inside = std::sqrt(std::max(sqr(r) - sqr(d) * sin2, 0.0)), t = d * cosine - inside;
-    const double nx = t * x, ny = t * y, nz = -d * sin2 - inside * cosine;
-    const double per = 1 / std::sqrt((sqr(nx) + sqr(ny)) + sqr(nz));
-    const Vec3 n(static_cast<float>(nx * per), static_cast<float>(ny * per), static_cast<float>(nz * per));
-    const SurfaceGeometry q = place_on_sphere(light, shape, frame.to_world(n));
+    // The near intersection along w, with the radius as the unit of length; rays at the rim touch the sphere. In the
+    // frame of the cone, the point n is t w minus (0, 0, d) from the centre. This is written without cancellation,
+    // because the cone of a small or distant sphere is known to more digits than the cosine of its angle. At the rim,
+    // rounding moves the point along the sphere.
+    const float d = cone.distance / sphere.radius;
+    const float one_minus_cos = u.x() * cone.one_minus_cos_max, sin2 = one_minus_cos * (2.f - one_minus_cos);
+    const float cos_light = safe_sqrt(1.f - sqr(d) * sin2), t = d * w.z() - cos_light;
+    const Vec3 n = frame.to_world(Vec3(t * w.x(), t * w.y(), -d * sin2 - cos_light * w.z()));
     std::optional<LightSample> sample(std::in_place);  // member by member, as in seen_from_front()
-    sample->wi = wi;
-    sample->distance = static_cast<float>(t);
-    sample->Le = light.radiance_at(q.uv);
+    sample->wi = frame.to_world(w);
+    sample->distance = t * sphere.radius;
+    sample->Le = radiance_of_sphere(light, sphere, n);
     sample->pdf_w = 1.f / cone.solid_angle();
     sample->delta = false;
-    sample->cos_light = std::max(-wi.dot(q.ng), 0.f);
-    sample->target = shadow_ray_target(q, p);
+    sample->cos_light = cos_light;
+    sample->target = shadow_ray_target(sphere.point_at(n), p);
     return sample;
 }
 
@@ -98,9 +86,14 @@ struct LightSampler {
     const Vec2& u;
 
     std::optional<LightSample> operator()(const AreaLight& light) const {
-        if (light.is_plain_mesh()) return seen_from_front(light, light.surface.sample_facets(u), light.radiance);
+        return light.is_plain_mesh() ? seen_from_front(light, light.surface.sample_facets(u), light.radiance)
+                                     : sample_other_surface(light);
+    }
+    /// Apart, since meshes would pay for its many registers.
+    [[gnu::noinline]] std::optional<LightSample> sample_other_surface(const AreaLight& light) const {
         const Shape& shape = shapes[light.shape];
-        if (const auto cone = emitting_cone(shape, p)) return sample_cone(light, shape, *cone, p, u);
+        if (const auto* sphere = std::get_if<Sphere>(&shape))
+            if (const auto cone = emitting_cone(*sphere, p)) return sample_cone(light, *sphere, *cone, p, u);
         if (!light.texture) return seen_from_front(light, light.surface.sample(shape, u), light.radiance);
         const SurfaceGeometry q = light.surface.sample_geometry(shape, u);
         return seen_from_front(light, q, light.texture->color(q.texture_point()));
@@ -250,8 +243,8 @@ private:
         // As in square_to_cosine_hemisphere: no ray leaves along the surface.
         const float lift = std::sqrt(std::max(1.f - d.squaredNorm(), 1e-12f));
         const Vec3 n = Frame(w).to_world(Vec3(d.x(), d.y(), sphere.flip_normals ? -lift : lift));
-        const SurfaceGeometry q = place_on_sphere(light, shapes[light.shape], n);
-        return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, light.radiance_at(q.uv)), q.ng};
+        const SurfacePoint q = sphere.point_at(n);
+        return {Ray{q.p + q.offset * q.ng, w}, power_of_area(light, radiance_of_sphere(light, sphere, n)), q.ng};
     }
 
     /// Parallel light that comes from the direction w, uniform over the disk that covers the scene: E / pdf_a =
@@ -331,7 +324,8 @@ std::optional<LightSample> sample_light(const Light& light, const std::vector<Sh
 }
 
 float light_pdf_w(const AreaLight& light, const std::vector<Shape>& shapes, const Vec3& p, const SurfacePoint& hit) {
-    if (const auto cone = emitting_cone(shapes[light.shape], p)) return 1.f / cone->solid_angle();
+    if (const auto* sphere = std::get_if<Sphere>(&shapes[light.shape]))
+        if (const auto cone = emitting_cone(*sphere, p)) return 1.f / cone->solid_angle();
     const Vec3 to_light = hit.p - p;
     const float d2 = to_light.squaredNorm(), towards = -to_light.dot(hit.ng);
     if (!(towards > 0.f && d2 > 0.f)) return 0.f;

@@ -306,11 +306,13 @@ float Bsdf::layered_pdf_w_local(const Vec3& wo, const Vec3& wi, Lobes which, Tra
 std::optional<BsdfSample> Bsdf::sample_layered_local(const Vec3& wo, const Vec2& u_lobe, const Vec2& u,
                                                      Transport transport, Lobes which) const {
     const Layer* only = only_layer(wo.z());
-    if (!only) return sample_mixture_local(wo, u_lobe, u, transport, which);
+    // The only variable that is returned, so that it is made in place: a copy would wait until its members are stored.
     auto sample =
-        std::visit([&](const auto& m) { return m.sample_local(to_layer(*only, wo), u_lobe.x(), u, transport, which); },
-                   only->model);
-    if (!sample) return sample;
+        only ? std::visit(
+                   [&](const auto& m) { return m.sample_local(to_layer(*only, wo), u_lobe.x(), u, transport, which); },
+                   only->model)
+             : sample_mixture_local(wo, u_lobe, u, transport, which);
+    if (!only || !sample) return sample;
     if (only->flipped) sample->wi.z() = -sample->wi.z();
     if (mixes_kinds_ && which == Lobes::all && !sample->delta) choose_kind(wo, u_lobe.y(), transport, *sample);
     return sample;

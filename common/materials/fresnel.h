@@ -25,7 +25,8 @@ inline float dielectric_reflectance(float cos_i, float cos_t, float eta_ti) {
 
 /// `eta` = interior index / exterior index. Total internal reflection is the limit of the same formula, not a special
 /// case of it: cos_t -> 0 gives reflectance -> 1. Source: Born and Wolf, Principles of Optics, section 1.5.2.
-inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
+/// Inlined, since a call would return two of the numbers in one register, which waits until both are stored.
+[[gnu::always_inline]] inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
     const float eta_ti = cos_i >= 0.f ? eta : 1.f / eta;
     const float c = std::abs(cos_i);
     // cos_t^2 = 1 - (1 - c^2) / eta^2, in two forms: the first loses no digits of a small c where eta is nearly 1,

@@ -7,13 +7,16 @@ namespace gib {
 namespace {
 
 /// A delta lobe that takes `weight` of the light and is chosen with `probability`.
-BsdfSample delta_sample(const Vec3& wi, const Color& weight, float probability, float eta) {
-    return {.wi = wi,
-            .f = weight / std::abs(wi.z()),
-            .pdf_w = probability,
-            .delta = true,
-            .lobe = LobeKind::specular,
-            .eta = eta};
+/// Made in place, member by member: the copy of a whole sample would wait until its members are stored.
+std::optional<BsdfSample> delta_sample(const Vec3& wi, const Color& weight, float probability, float eta) {
+    std::optional<BsdfSample> sample(std::in_place);
+    sample->wi = wi;
+    sample->f = weight / std::abs(wi.z());
+    sample->pdf_w = probability;
+    sample->delta = true;
+    sample->lobe = LobeKind::specular;
+    sample->eta = eta;
+    return sample;
 }
 
 bool transmits_nothing(const Color& reflectance, const Color& transmittance) {

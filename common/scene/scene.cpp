@@ -113,9 +113,10 @@ void Scene::resolve_surfaces() {
         const Material& material = materials_[surface.material];
         if (!material.follows_uv()) surface.bsdf = material.constant();
         if (surface.light != no_light) surface.emitter = &std::get<AreaLight>(lights_[surface.light]);
+        if (i >= outside_groups || surface.uses_uv) continue;
+        surface.sphere = std::get_if<Sphere>(&shapes_[i]);
         const auto* mesh = std::get_if<Mesh>(&shapes_[i]);
-        if (mesh && i < outside_groups && mesh->normals.empty() && !surface.uses_uv)
-            surface.facets = mesh->facets.data();
+        if (mesh && mesh->normals.empty()) surface.facets = mesh->facets.data();
     }
 }
 
@@ -124,7 +125,10 @@ std::optional<SurfaceHit> Scene::surface_on(const Ray& ray, const Intersection& 
     // The hit is made in place: the compiler would set an empty one to zero first.
     auto hit = surface.facets ? std::optional<SurfaceHit>(std::in_place, surface.facets[i.primitive].point_at(i.u, i.v),
                                                           i.primitive, Vec2(i.u, i.v))
-                              : place_on_shape(ray, i);
+               : surface.sphere
+                   ? std::optional<SurfaceHit>(std::in_place, surface.sphere->point_near(ray.o + i.t * ray.d),
+                                               i.primitive, Vec2(i.u, i.v))
+                   : place_on_shape(ray, i);
     hit->bsdf = surface.bsdf;
     hit->emitter = surface.emitter;
     hit->light = surface.light;

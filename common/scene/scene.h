@@ -19,7 +19,7 @@ namespace gib {
 struct SurfaceHit : SurfaceGeometry {
     explicit SurfaceHit(const SurfaceGeometry& geometry)
         : SurfaceGeometry(geometry), interpolated(geometry.ns), is_flat_(ns == ng || ns == -ng) {}
-    /// On a triangle with its own normal, where nothing depends on uv.
+    /// On a triangle or a sphere with its own normal, where nothing depends on uv.
     SurfaceHit(const SurfacePoint& point, std::uint32_t triangle, const Vec2& of_vertices)
         : SurfaceGeometry{point, point.ng, of_vertices, triangle, of_vertices},
           interpolated(point.ng),
@@ -203,9 +203,11 @@ private:
         std::uint32_t light;
         bool uses_uv;  ///< the material or the emission depends on uv
         // Resolved when all parts of the scene are in their places:
-        const Bsdf* bsdf = nullptr;           ///< null: to be made at each point, or about a frame that follows uv
-        const AreaLight* emitter = nullptr;   ///< null: not a light
-        const Mesh::Facet* facets = nullptr;  ///< facets of a flat mesh outside of all groups that needs no uv
+        const Bsdf* bsdf = nullptr;          ///< null: to be made at each point, or about a frame that follows uv
+        const AreaLight* emitter = nullptr;  ///< null: not a light
+        // Of shapes outside of all groups that need no uv:
+        const Mesh::Facet* facets = nullptr;  ///< facets of a flat mesh
+        const Sphere* sphere = nullptr;
     };
     const Medium* medium(std::uint32_t i) const { return i == no_medium ? nullptr : &media_[i]; }
     // Large results are made in place, by functions that return nothing else: a copy waits for all its parts.

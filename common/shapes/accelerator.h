@@ -53,7 +53,6 @@ public:
     void* native_handle() const;
 
 private:
-    void intersect_by_embree(const Ray& ray, std::optional<Intersection>& found) const;
     Intersection intersection_of(std::uint32_t geometry, std::uint32_t primitive, std::uint32_t instance, float u,
                                  float v, float t) const;
 

@@ -18,8 +18,6 @@ constexpr float gamma(int n) {
 /// shape at distance 0. This fraction of the shape's size moves the start off the plane.
 constexpr float off_the_plane = 0x1p-33f;
 
-float sum_abs(const Vec3& v) { return v.cwiseAbs().sum(); }
-
 struct Triangle {
     Vec3 v0, e1, e2;  ///< the first vertex and the edges from it to the second and third
 };
@@ -39,15 +37,6 @@ Vec3d product_of_edges(const Mesh& mesh, std::size_t i) {
 }
 
 double area_of_triangle(const Mesh& mesh, std::size_t i) { return 0.5 * mesh.normal_of(i).norm(); }
-
-SurfacePoint point_on_sphere(const Sphere& sphere, const Vec3& direction) {
-    SurfacePoint s;
-    s.p = sphere.center + sphere.radius * direction;
-    s.ng = (sphere.flip_normals ? -1.f : 1.f) * direction;
-    // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
-    s.offset = 8.f * unit_roundoff * (sum_abs(sphere.center) + 3.f * sphere.radius);
-    return s;
-}
 
 SurfacePoint point_on_disk(const Disk& disk, float a, float b) {
     SurfacePoint s;
@@ -76,13 +65,6 @@ float turns(float x, float y) {
 }
 
 const Vec2 no_uv = Vec2::Zero();
-
-/// Longitude and angle from the north pole in the sphere's own axes, each as a fraction of its range. An arc cosine
-/// would lose half of the digits near a pole.
-Vec2 sphere_uv(const Sphere& sphere, const Vec3& direction) {
-    const Vec3 d = sphere.axes.transpose() * direction;
-    return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
-}
 
 /// Projects `p_ray` onto the cylinder. It does so in double, because the axis may be many times longer
 /// than the radius.
@@ -126,6 +108,12 @@ bool within(const Ray& ray, double t) {
 }
 
 }  // namespace
+
+Vec2 Sphere::uv_at(const Vec3& direction) const {
+    // An arc cosine would lose half of the digits near a pole.
+    const Vec3 d = axes.transpose() * direction;
+    return {turns(d.x(), d.y()), std::atan2(std::sqrt(sqr(d.x()) + sqr(d.y())), d.z()) / pi};
+}
 
 void Mesh::prepare() {
     require_memory(static_cast<double>(triangles.size()) * sizeof(Facet),
@@ -249,11 +237,9 @@ bool has_smooth_normals(const Shape& shape) {
 
 SurfaceGeometry surface_at_analytic(const Shape& shape, const Vec3& p_ray, bool with_uv) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-        const Vec3 from_center = p_ray - sphere->center;
-        // p_ray may be the centre if the sphere is smaller than an ulp of its coordinates; any direction serves then.
-        const Vec3 direction = from_center.isZero(0) ? Vec3(sphere->axes.col(2)) : from_center.normalized();
-        const SurfacePoint s = point_on_sphere(*sphere, direction);
-        return {s, s.ng, with_uv ? sphere_uv(*sphere, direction) : no_uv};
+        const Vec3 direction = sphere->direction_to(p_ray);
+        const SurfacePoint s = sphere->point_at(direction);
+        return {s, s.ng, with_uv ? sphere->uv_at(direction) : no_uv};
     }
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return surface_of_cylinder(*cylinder, p_ray, with_uv);
     const auto& disk = std::get<Disk>(shape);
@@ -311,7 +297,7 @@ SurfacePoint AreaSampler::sample(const Shape& shape, const Vec2& u) const {
         const MeshSample at = sample_mesh(u);
         return mesh->point_at(at.triangle, at.b.x(), at.b.y());
     }
-    if (const auto* sphere = std::get_if<Sphere>(&shape)) return point_on_sphere(*sphere, square_to_sphere(u));
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return sphere->point_at(square_to_sphere(u));
     if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
         const float phi = 2.f * pi * u.y();
         return point_on_cylinder(*cylinder, std::cos(phi) * cylinder->s + std::sin(phi) * cylinder->t, u.x());

@@ -87,6 +87,16 @@ struct Sphere {
     float radius;
     bool flip_normals = false;
     Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: its own x, y, z, orthonormal; uv turn with them
+
+    /// The unit vector from the centre towards p.
+    Vec3 direction_to(const Vec3& p) const;
+    /// The point in the unit vector's direction from the centre.
+    SurfacePoint point_at(const Vec3& direction) const;
+    /// The point nearest to p.
+    SurfacePoint point_near(const Vec3& p) const { return point_at(direction_to(p)); }
+    /// uv of the point in the unit vector's direction: longitude and angle from the north pole in the sphere's own
+    /// axes, each as a fraction of its range.
+    Vec2 uv_at(const Vec3& direction) const;
 };
 
 /// The ellipse center + a du + b dv with a^2 + b^2 <= 1. du and dv are orthogonal and need not have unit length.
@@ -181,6 +191,21 @@ private:
 };
 
 // The functions below are called for every ray. They are inline, so that the points stay in registers.
+
+inline Vec3 Sphere::direction_to(const Vec3& p) const {
+    const Vec3 from_center = p - center;
+    // A point of a sphere smaller than an ulp of its coordinates may be the centre; any direction serves there.
+    return from_center.isZero(0) ? Vec3(axes.col(2)) : from_center.normalized();
+}
+
+inline SurfacePoint Sphere::point_at(const Vec3& direction) const {
+    SurfacePoint s;
+    s.p = center + radius * direction;
+    s.ng = (flip_normals ? -1.f : 1.f) * direction;
+    // The offset bounds the rounding of the sum and of the unit vector's length, in each of three coordinates.
+    s.offset = 8.f * unit_roundoff * (center.cwiseAbs().sum() + 3.f * radius);
+    return s;
+}
 
 inline SurfacePoint Mesh::Facet::point_at(float b1, float b2) const {
     if (b1 < e1[3] || b2 < e2[3] || 1.f - b1 - b2 < ng[3]) keep_off_edges(b1, b2);

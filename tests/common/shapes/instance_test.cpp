@@ -32,46 +32,50 @@ LoadedScene every_shape(double size = 1) {
 
 // Packets of every size, of neighbouring rays and of rays in all directions, find what single rays find. Embree's
 // kernels for one ray and for eight round differently: t by some ulps of the ray's length, u and v by that over the
-// triangle's size and over the cosine of a slanting hit.
+// triangle's size and over the cosine of a slanting hit. Single rays that lead away from the box of
+// a mesh with a sphere beside it do not reach Embree.
 TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
-    const LoadedScene loaded = every_shape();
-    const auto& scene = *loaded.scene;
-    const Accelerator& accelerator = scene.accelerator();
-    std::array<Ray, Accelerator::packet_size> rays;
-    std::array<std::optional<Intersection>, Accelerator::packet_size> found;
-    std::vector<int> hits_of_shape(scene.shapes().size());
-    int hits_of_instances = 0, misses = 0;
-    for (std::uint64_t packet = 0; packet < 8000; ++packet) {
-        const std::size_t count = 1 + packet % rays.size();
-        const bool coherent = packet % 3 == 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Sampler own(PointSet::independent, 1, packet, static_cast<std::uint32_t>(i + 1));
-            const Sampler& u = coherent ? Sampler(PointSet::independent, 1, packet, 0) : own;
-            const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
-            const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
-            const Vec3 aside = 0.01f * square_to_sphere(own.get_2d(3));
-            rays[i] = {from, (at + aside - from).normalized(), 0.f, packet % 5 == 0 ? scene.diagonal() : infinity};
+    for (const LoadedScene& loaded :
+         {every_shape(), load(shape("cube") + shape("sphere", to_world(translate(4, 0, 0))))}) {
+        const auto& scene = *loaded.scene;
+        const Accelerator& accelerator = scene.accelerator();
+        std::array<Ray, Accelerator::packet_size> rays;
+        std::array<std::optional<Intersection>, Accelerator::packet_size> found;
+        std::vector<int> hits_of_shape(scene.shapes().size());
+        int hits_of_instances = 0, misses = 0;
+        for (std::uint64_t packet = 0; packet < 8000; ++packet) {
+            const std::size_t count = 1 + packet % rays.size();
+            const bool coherent = packet % 3 == 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                const Sampler own(PointSet::independent, 1, packet, static_cast<std::uint32_t>(i + 1));
+                const Sampler& u = coherent ? Sampler(PointSet::independent, 1, packet, 0) : own;
+                const Vec3 from = scene.diagonal() * square_to_sphere(u.get_2d(0));
+                const Vec3 at = 0.3f * scene.diagonal() * square_to_sphere(u.get_2d(1)) * u.get_1d(2);
+                const Vec3 aside = 0.01f * square_to_sphere(own.get_2d(3));
+                rays[i] = {from, (at + aside - from).normalized(), 0.f, packet % 5 == 0 ? scene.diagonal() : infinity};
+            }
+            accelerator.intersect(std::span(rays).first(count), found);
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto alone = accelerator.intersect(rays[i]);
+                ASSERT_EQ(found[i].has_value(), alone.has_value()) << packet << ' ' << i;
+                EXPECT_EQ(accelerator.occluded(rays[i]), alone.has_value());
+                misses += !alone;
+                if (!alone) continue;
+                EXPECT_EQ(found[i]->shape, alone->shape);
+                EXPECT_EQ(found[i]->primitive, alone->primitive);
+                EXPECT_EQ(found[i]->instance, alone->instance);
+                EXPECT_NEAR(found[i]->t, alone->t, 1e-6f * scene.diagonal());
+                EXPECT_NEAR(found[i]->u, alone->u, 1e-4f);
+                EXPECT_NEAR(found[i]->v, alone->v, 1e-4f);
+                ++hits_of_shape[alone->shape];
+                hits_of_instances += alone->instance != no_instance;
+            }
         }
-        accelerator.intersect(std::span(rays).first(count), found);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto alone = accelerator.intersect(rays[i]);
-            ASSERT_EQ(found[i].has_value(), alone.has_value()) << packet << ' ' << i;
-            misses += !alone;
-            if (!alone) continue;
-            EXPECT_EQ(found[i]->shape, alone->shape);
-            EXPECT_EQ(found[i]->primitive, alone->primitive);
-            EXPECT_EQ(found[i]->instance, alone->instance);
-            EXPECT_NEAR(found[i]->t, alone->t, 1e-6f * scene.diagonal());
-            EXPECT_NEAR(found[i]->u, alone->u, 1e-4f);
-            EXPECT_NEAR(found[i]->v, alone->v, 1e-4f);
-            ++hits_of_shape[alone->shape];
-            hits_of_instances += alone->instance != no_instance;
-        }
+        for (int hits : hits_of_shape)
+            EXPECT_GT(hits, 100);
+        if (!scene.instances().empty()) EXPECT_GT(hits_of_instances, 1000);
+        EXPECT_GT(misses, 1000);
     }
-    for (int hits : hits_of_shape)
-        EXPECT_GT(hits, 100);
-    EXPECT_GT(hits_of_instances, 1000);
-    EXPECT_GT(misses, 1000);
 }
 
 /// A closed surface r(theta, phi) around the origin, as an OBJ file with uv and smooth
