@@ -139,7 +139,7 @@ private:
         return distance2 < sqr(r) ? kernel(distance2, r) / double{narrow_share_} : 0;
     }
     double weight(const LightVertex& light, const DirectionPdfs& pdf) const {
-        const double d_vcm = (light.edges > 1 ? squared(samples_of_connection_) : 1) * light.d_vcm;
+        const double d_vcm = (light.has_first_samples ? squared(samples_of_connection_) : 1) * light.d_vcm;
         const double others = eye_.sums.besides_both(pdf.to_camera) +      // (39) times n^2
                               d_vcm + light.d_vc * squared(pdf.to_light);  // (38) times n^2
         return 1 / (1 + others / n2_);                                     // (37)
@@ -183,8 +183,28 @@ LightVertex::LightVertex(const PathVertex& vertex)
                       vertex.sums.d_vcm(),
                       vertex.sums.d_vc(),
                       vertex.path_class,
-                      vertex.hit.has_value()},
+                      vertex.hit.has_value(),
+                      vertex.has_first_samples},
       p(vertex.p) {}
+
+CellsInReach::CellsInReach(const KdTree<LightVertex>& points, const MergeRadii& radii) {
+    const auto radius = [&](const LightVertex& point) { return point.on_surface ? radii.on_surfaces : radii.in_media; };
+    for (std::size_t i = 0; i < points.size(); ++i)
+        edge_ = std::max(edge_, 2 * radius(points[i]));
+    bits_.resize(std::bit_ceil(32 * points.size()));  // a point reaches eight cells or few more
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const LightVertex point = points[i];
+        const double reach = radius(point) * (1 + 1e-5);  // distances are rounded to float
+        const auto corner = [&](double side) {
+            return cell_of((point.p.cast<double>().array() + side * reach).matrix());
+        };
+        const Cell low = corner(-1), high = corner(1);
+        for (Cell at = low; at.x() <= high.x(); ++at.x())
+            for (at.y() = low.y(); at.y() <= high.y(); ++at.y())
+                for (at.z() = low.z(); at.z() <= high.z(); ++at.z())
+                    bits_[bit(at)] = true;
+    }
+}
 
 LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, const PathRules& rules,
                                const MergeRule& rule, std::uint64_t seed, std::uint64_t& rays)
@@ -211,12 +231,13 @@ LightVertexMap::LightVertexMap(const Scene& scene, const LightPaths& paths, cons
     for (const Block& block : blocks)
         rays += block.rays;
     vertices_ = KdTree<LightVertex>(joined(blocks, &Block::vertices));
+    cells_ = CellsInReach(vertices_, rule.radii);
 }
 
 void LightVertexMap::merge(const PathVertex& eye, MergeRule::AlongCamera& along, const PathRules& rules,
                            const MergeRadii& radii, Kernel kernel, RayQueries& rays, NumberStream& u,
                            BiasedSample& sample) const {
-    if (vertices_.size() == 0) return;
+    if (vertices_.size() == 0 || !cells_.any_within(eye.p)) return;
     Merge merge(eye, rules, radii, kernel, power_of_path_, sample);
     if (!merge.finds_any(vertices_)) return;
     if (merge.bound_radius(radii, along.n_at(rays, eye))) {

@@ -17,7 +17,7 @@ namespace gib {
 struct LightVertexData : PhotonPayload {
     double d_vcm = 0, d_vc = 0;  ///< technique_sums.h
     PathClass path_class;
-    bool on_surface = true;
+    bool on_surface = true, has_first_samples = true;  ///< PathVertex
 };
 
 /// A vertex of a light's walk. Its power is in units of LightPaths::power; in a medium it is divided by sigma_s.
@@ -31,6 +31,30 @@ struct LightVertex : LightVertexData {
 };
 
 extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
+
+/// Where some point lies within its radius, the largest of all places: one bit for each cell of a grid, by a hash of the cell (Teschner et al. 2003,
+/// "Optimized Spatial Hashing for Collision Detection of Deformable Objects"). Most places have none, and a look-up in the tree
+/// would wait for memory at each of its levels.
+class CellsInReach {
+public:
+    CellsInReach() = default;
+    CellsInReach(const KdTree<LightVertex>& points, const MergeRadii& radii);
+    /// False only if p lies within the radius of no point.
+    bool any_within(const Vec3& p) const { return bits_[bit(cell_of(p.cast<double>()))]; }
+
+private:
+    using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
+    Cell cell_of(const Vec3d& p) const { return (p / edge_).array().floor().cast<std::int64_t>(); }
+    std::size_t bit(const Cell& cell) const {
+        const auto hash = static_cast<std::uint64_t>(cell.x()) * 73856093 ^
+                          static_cast<std::uint64_t>(cell.y()) * 19349663 ^
+                          static_cast<std::uint64_t>(cell.z()) * 83492791;
+        return hash & (bits_.size() - 1);
+    }
+
+    double edge_ = 0;  ///< of a cell [scene units]
+    std::vector<bool> bits_;
+};
 
 /// The vertices of the light walks of one pass.
 class LightVertexMap {
@@ -54,6 +78,7 @@ public:
 
 private:
     KdTree<LightVertex> vertices_;
+    CellsInReach cells_;
     double power_of_path_ = 0;  ///< P / N for a vertex of power 1 [W]
 };
 

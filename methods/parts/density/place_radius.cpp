@@ -40,9 +40,23 @@ bool reaches(RayQueries& rays, const SurfaceHit& hit, const Frame& frame, float 
     return trace(0, probes_that_hit) || trace(probes_that_hit, probes);  // on large surfaces the first ones do
 }
 
+/// Whether the triangle of the hit reaches as far in all directions, so that no probe is needed.
+bool triangle_reaches(const Scene& scene, const SurfaceHit& hit, float distance) {
+    const Mesh* mesh = scene.instances().empty() ? std::get_if<Mesh>(&scene.shapes()[hit.shape]) : nullptr;
+    if (!mesh || !hit.is_flat()) return false;
+    const auto& corners = mesh->triangles[hit.primitive];
+    const auto is_farther = [&](std::uint32_t from, std::uint32_t to) {
+        const Vec3 start = mesh->vertex(from), edge = mesh->vertex(to) - start;
+        return edge.cross(hit.p - start).squaredNorm() > sqr(distance) * edge.squaredNorm();
+    };
+    return is_farther(corners[0], corners[1]) && is_farther(corners[1], corners[2]) &&
+           is_farther(corners[2], corners[0]);
+}
+
 }  // namespace
 
 float share_of_radius_at(RayQueries& rays, const SurfaceHit& hit, const Vec3& wo, float largest) {
+    if (triangle_reaches(rays.scene(), hit, largest)) return 1.f;
     // Light passes through a surface that transmits, and both sides have the same radius.
     const Frame frame(hit.bsdf->traits().transmission ? hit.ng : normal_towards(hit, wo));
     float share = 1.f;

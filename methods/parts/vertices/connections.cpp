@@ -60,7 +60,7 @@ std::optional<PixelView> view_of(const Sensor& sensor, const Vec3& p, const Came
 }  // namespace
 
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const VertexNumbers& u, NumberStream& flights) {
+                                           const PathRules& rules, const VertexNumbers& u, NumberStream& flights) {
     const Scene& scene = rays.scene();
     const auto light = scene.sample_light(eye.lit(scene), u.light_choice(), u.light_position());
     if (!light || is_black(light->Le)) return std::nullopt;
@@ -83,41 +83,30 @@ std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& e
     // In a direction along the light's surface, emission has density 0 and cosine 0; their ratio is taken for 0.
     const double step =
         emission > 0 ? emission * double{eye.cosine(light->wi)} / (sampling * double{light->cos_light}) : 0;
-    const double by_light_walk = squared(step) * eye.sums.earlier(pdf.to_camera);  // (45)
-    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));            // (37)
+    const double samples = eye.is_first && light->delta ? rules.first_samples() : 1;
+    const double by_light_walk = squared(step / samples) * eye.sums.earlier(pdf.to_camera);  // (45)
+    path.weight = static_cast<float>(1 / (1 + by_hit + by_light_walk));                      // (37)
     return path;
 }
 
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
-                                  const LightPaths& paths, const PathRules& rules, NumberStream& flights) {
+                                  const LightPaths& paths, const PathRules& rules, double factor,
+                                  ConnectionRoulette& roulette, NumberStream& flights) {
     if (!can_join(eye.stratum, light.stratum)) return std::nullopt;
     const Vec3 between = light.p - eye.p;
     if (!eye.faces(between) || !light.faces(-between)) return std::nullopt;
-    const double distance2 = double{between.squaredNorm()};
-    if (!(distance2 > 0)) return std::nullopt;
-    const Vec3 w = between.normalized(), w_eye = eye.to_local(w), w_light = light.to_local(-w);
+    const float distance2 = between.squaredNorm();
+    if (!(distance2 > 0.f)) return std::nullopt;
+    const float distance = std::sqrt(distance2);
+    const Vec3 w = between / distance, w_eye = eye.to_local(w), w_light = light.to_local(-w);
     const LobeValues at_eye = scattered_to_camera(eye, w, w_eye);
     if (is_black(at_eye.sum())) return std::nullopt;
     const LobeValues at_light = scattered_from_light(light, -w, w_light);
     if (is_black(at_light.sum()) || are_level(eye, light, between)) return std::nullopt;
-    const Vec3 origin = eye.origin(w);
-    const auto way = [&] { return Segment{origin, light.target(origin), w, static_cast<float>(std::sqrt(distance2))}; };
-    const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
-    if (is_black(visible)) return std::nullopt;
 
     // The densities per area at each end are those per solid angle times these.
-    const double per_area_at_light = double{light.cosine(w)} / distance2,
-                 per_area_at_eye = double{eye.cosine(w)} / distance2;
-    Connection path;
-    const Color rest = eye.beta * light.beta * visible * joint_weight(eye.stratum, light.stratum) *
-                       static_cast<float>(paths.power * per_area_at_light);
-    for (const LobeKind kind : lobe_kinds) {
-        const Color& f = of(at_eye, kind);
-        if (is_black(f)) continue;
-        const PathClass first = eye.ending_with(kind);
-        add_classes(path.light, {f * at_light.diffuse, f * at_light.specular}, rest,
-                    [&](LobeKind last) { return first.followed_by(light.beginning_with(last)); });
-    }
+    const double per_distance2 = 1 / double{distance2}, per_area_at_light = double{light.cosine(w)} * per_distance2,
+                 per_area_at_eye = double{eye.cosine(w)} * per_distance2;
     const DirectionPdfs eye_pdf = direction_pdfs(eye, eye.from_local, w_eye),
                         light_pdf = direction_pdfs(light, w_light, light.from_local);
     const double by_camera =
@@ -125,7 +114,25 @@ std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const
     const double by_light =
         squared(light_pdf.to_camera * per_area_at_eye) * eye.sums.earlier(eye_pdf.to_camera);  // (41)
     const double samples = eye.is_first ? rules.first_samples() : 1;
+    Connection path;
     path.weight = static_cast<float>(1 / (1 + (by_camera + by_light) / squared(samples)));  // (37)
+    Color rest = eye.beta * light.beta * joint_weight(eye.stratum, light.stratum) *
+                 static_cast<float>(factor * paths.power * per_area_at_light);
+    const double survival = roulette.survival(double{path.weight * (at_eye.sum() * at_light.sum() * rest).sum()});
+    if (!(survival > 0)) return std::nullopt;
+
+    const Vec3 origin = eye.origin(w);
+    const auto way = [&] { return Segment{origin, light.target(origin), w, distance}; };
+    const Color visible = transmitted(rays, way, eye.medium_towards(rays.scene(), w), flights);
+    if (is_black(visible)) return std::nullopt;
+    rest *= visible / static_cast<float>(survival);
+    for (const LobeKind kind : lobe_kinds) {
+        const Color& f = of(at_eye, kind);
+        if (is_black(f)) continue;
+        const PathClass first = eye.ending_with(kind);
+        add_classes(path.light, {f * at_light.diffuse, f * at_light.specular}, rest,
+                    [&](LobeKind last) { return first.followed_by(light.beginning_with(last)); });
+    }
     return path;
 }
 

@@ -28,11 +28,35 @@ struct Connection {
 
 /// A point of a light is sampled from `eye`, a vertex of the camera's walk (s = 1). Radiance [W/(sr m^2)].
 std::optional<Connection> connect_to_light(RayQueries& rays, const PathVertex& eye, const LightPaths& paths,
-                                           const VertexNumbers& u, NumberStream& flights);
+                                           const PathRules& rules, const VertexNumbers& u, NumberStream& flights);
 
-/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)] of one of the technique's samples.
+/// Russian roulette of the connections of one camera's walk before their rays (Veach 1997, section 10.4.1). A connection
+/// smaller than `least` is traced with the probability size / least, so that all survivors are as large as `least`. The
+/// probabilities are summed from a random start `u`, and a connection survives where the sum passes a whole number: the number
+/// of survivors then has the least variance. By default all connections are traced.
+class ConnectionRoulette {
+public:
+    ConnectionRoulette() = default;
+    ConnectionRoulette(double least, float u) : least_(least), sum_(double{u}) {}
+
+    /// The survival probability of a connection with this Connection::size() if nothing hides it; 0 if it is not traced.
+    double survival(double size) {
+        if (!(size < least_)) return 1;
+        const double probability = size / least_;
+        sum_ += probability;
+        if (sum_ < 1) return 0;
+        sum_ -= 1;
+        return probability;
+    }
+
+private:
+    double least_ = 0, sum_ = 0;
+};
+
+/// A vertex of the camera's walk and one of a light's. Radiance [W/(sr m^2)] of one of the technique's samples times `factor`.
 std::optional<Connection> connect(RayQueries& rays, const PathVertex& eye, const PathVertex& light,
-                                  const LightPaths& paths, const PathRules& rules, NumberStream& flights);
+                                  const LightPaths& paths, const PathRules& rules, double factor,
+                                  ConnectionRoulette& roulette, NumberStream& flights);
 
 /// The random numbers of a connection to the camera.
 struct CameraNumbers {

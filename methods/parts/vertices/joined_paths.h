@@ -75,7 +75,9 @@ private:
         });
         for (int group = 0; group < apart * apart; ++group) {
             const auto places = tile.every(apart, group % apart, group / apart, scene_.sensor());
-            if (shares) estimate.start_group(rays, places);
+            const std::size_t path =
+                index * Tile::edge * Tile::edge + static_cast<std::size_t>(group) * rules.shared_paths;
+            if (shares) estimate.start_group(rays, path, places.size());
             for_each_pixel_of(
                 rays, rules.points, pass_.seed, pass_.number, places.size(), [&](std::size_t i) { return places[i]; },
                 [&](std::size_t pixel, const TracedRay& eye, const Sampler& sampler) {

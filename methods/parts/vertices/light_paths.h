@@ -83,7 +83,7 @@ private:
         along_.arrive(walk_, p, sums_);
         if (along_.ends(sums_)) return false;
         PathVertex vertex(walk_, p, path_class_, sums_);
-        visit_(vertex, u, walk_.flights);
+        visit(vertex, u);
         const float survival = std::min(path.beta.maxCoeff() / before, most_survival(path.vertex));
         if (!survives(path.beta, survival, u.roulette())) return false;
         along_.scatters(false);
@@ -104,7 +104,7 @@ private:
         PathVertex vertex(walk_, std::move(*hit), path_class_, sums_);
         if (vertex.can_be_joined()) {
             if (along_.ends(sums_)) return false;
-            visit_(vertex, u, walk_.flights);
+            visit(vertex, u);
         }
 
         const auto next =
@@ -117,6 +117,10 @@ private:
         return true;
     }
 
+    void visit(PathVertex& vertex, const VertexNumbers& u) {
+        vertex.has_first_samples = vertex.edges > 1 || is_delta(light_);
+        visit_(vertex, u, walk_.flights);
+    }
     TechniqueSums at_light(double sampling) const {
         return TechniqueSums::at_light(start_.density, sampling, double{start_.cos_light}, is_delta(light_), rules_);
     }

@@ -27,6 +27,8 @@ struct PathVertex {
     std::optional<int> stratum;
     int edges;              ///< number of edges of the walk up to here
     bool is_first = false;  ///< of the camera's walk, the first one that can be joined
+    /// Of a light's walk: whether PathRules::first_samples() count for the technique that connects the walk's last edge.
+    bool has_first_samples = true;
     TechniqueSums sums;
 
     /// A vertex where the walk has arrived, on a surface or in a medium.
@@ -61,10 +63,9 @@ struct PathVertex {
         path.in_medium = true;
         return path;
     }
-    /// TechniqueSums::earlier() of a light's vertex that is the camera walk's first, where the connection of the light path's last
-    /// edge has `samples`. The first edge starts on the light, which is sampled once.
-    double earlier_at_first(double reverse, double samples) const {
-        return sums.earlier(reverse) + (edges > 1 ? squared(samples) - 1 : 0) * sums.d_vcm();
+    /// TechniqueSums::earlier() of a light's vertex that is the camera walk's first.
+    double earlier_at_first(double reverse, double first_samples) const {
+        return sums.earlier(reverse) + (has_first_samples ? squared(first_samples) - 1 : 0) * sums.d_vcm();
     }
     /// w in the shading frame of the hit; in a medium as it is.
     Vec3 to_local(const Vec3& w) const { return hit ? hit->shading.to_local(w) : w; }

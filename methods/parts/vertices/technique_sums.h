@@ -13,7 +13,8 @@
 // and its equation numbers stand at the lines. What differs from it:
 //  - d_vcm and d_vc hold sums of squares, as the power heuristic needs them.
 //  - Connections of the first vertex of the camera's walk that can be joined may have several samples, `first_samples`, by which
-//    their density is multiplied (Veach 1997, section 9.2.1); all others have 1.
+//    their density is multiplied (Veach 1997, section 9.2.1). So has the sampling of a light of one point or direction there,
+//    whose light has no noise. All others have 1.
 //  - A free flight has the density T sigma. All techniques share sigma, the factor of its end. T, the edge's transmittance, is
 //    in all but the technique that connects the edge. Weights leave T out, so that they sum to 1; they also leave out Russian
 //    roulette, holes and wavelengths. The density of events in a medium is that per length times its scattering coefficient.

@@ -1,12 +1,14 @@
 // Vertex connection and merging: every set of techniques has the mean of the method that it is, and what merging alone
 // makes is what bidirectional path tracing lacks.
 
+#include "methods/vcm/light_vertex_map.h"
 #include "tests/support/lit_rooms.h"
 #include "tests/support/same_means.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <random>
 
 namespace gib::test::vcm_test {
 namespace {
@@ -35,6 +37,36 @@ TEST(VcmSubsets, AgreeOnMixedAndSpecularSurfaces) {
 TEST(VcmSubsets, AgreeInFogWithGlass) {
     expect_same_means(room_xml({.light = lamp, .more = fog, .glossy_wall = "", .ball = glass_ball}),
                       {"path", "vcm", "vcm techniques=photon_mapping"});
+}
+
+// Points on both sides of 0, in surfaces and media of different radii: no place near one may be missed, and most others are known
+// to be far from all.
+TEST(CellsInReach, HaveAllPointsWithinTheRadius) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> uniform(-1.f, 1.f);
+    const auto place = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+    std::vector<LightVertex> points(200);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i].p = place();
+        points[i].on_surface = i % 2 == 0;
+    }
+    const MergeRadii radii{.light_paths = 1, .on_surfaces = 0.05, .in_media = 0.03};
+    const CellsInReach cells(KdTree<LightVertex>(points), radii);
+    int near = 0, far = 0, known_far = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3 p = place();
+        if (std::any_of(points.begin(), points.end(), [&](const LightVertex& point) {
+                return (point.p - p).norm() <= (point.on_surface ? 0.05f : 0.03f);
+            })) {
+            ++near;
+            EXPECT_TRUE(cells.any_within(p)) << p.transpose();
+        } else {
+            ++far;
+            known_far += cells.any_within(p) ? 0 : 1;
+        }
+    }
+    EXPECT_GT(near, 100);
+    EXPECT_GT(known_far, far * 3 / 4);
 }
 
 /// The sum over the channels of each component.

@@ -50,5 +50,16 @@ TEST(PlaceRadius, IsUnboundedAtAStraightEdge) {
     }
 }
 
+// Half a unit off the diagonal of a square, the disc lies in one triangle, and no probe is needed.
+TEST(PlaceRadius, OfALargeTriangleTakesNoRays) {
+    const LoadedScene scene = scene_of_shapes(white("rectangle", scale(5)));
+    for (const float off_diagonal : {0.5f, 1.5f}) {
+        RayQueries rays(*scene.scene);
+        const Ray ray = down_at(off_diagonal * std::sqrt(2.f), 0.f);
+        EXPECT_EQ(share_of_radius_at(rays, *scene.scene->intersect(ray), -ray.d, 1.f), 1.f);
+        EXPECT_EQ(rays.count() == 0, off_diagonal > 1.f);
+    }
+}
+
 }  // namespace
 }  // namespace gib::test::place_radius_test

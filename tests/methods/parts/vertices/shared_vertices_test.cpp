@@ -1,7 +1,7 @@
 // Connections to the light paths of a group of pixels, on numbers that stand for vertices.
 
 #include "methods/parts/vertices/shared_vertices.h"
-
+#include "methods/parts/vertices/connections.h"
 #include "tests/support/moments.h"
 
 #include <gtest/gtest.h>
@@ -83,6 +83,28 @@ TEST(SharedVertices, KeepTheVerticesOfEachPath) {
     shared.add({3});
     ASSERT_EQ(shared.path(0).size(), 1u);
     EXPECT_EQ(shared.path(0)[0].factor, 3);
+}
+
+// Over all random starts, each connection survives with the probability size / least: the starts at which it does so are an
+// interval of this length. The number of survivors is within 1 of its mean at every start.
+TEST(ConnectionRoulette, KeepsEachConnectionsMeanAndTheirNumber) {
+    constexpr std::array sizes = {0.002, 0.3, 0.9, 2.5, 0.0, 0.05, 0.7, 1.0, 0.4};
+    constexpr double least = 1, small = 0.002 + 0.3 + 0.9 + 0.05 + 0.7 + 0.4;
+    constexpr int starts = 10000;
+    std::array<double, sizes.size()> means = {};
+    for (int i = 0; i < starts; ++i) {
+        ConnectionRoulette roulette(least, (static_cast<float>(i) + 0.5f) / starts);
+        int survivors = 0;
+        for (std::size_t k = 0; k < sizes.size(); ++k) {
+            const double survival = roulette.survival(sizes[k]);
+            if (!(survival > 0)) continue;
+            means[k] += sizes[k] / survival / starts;
+            survivors += sizes[k] < least ? 1 : 0;
+        }
+        EXPECT_LT(std::abs(survivors - small), 1) << i;
+    }
+    for (std::size_t k = 0; k < sizes.size(); ++k)
+        EXPECT_NEAR(means[k], sizes[k], 3. / starts) << k;
 }
 
 }  // namespace

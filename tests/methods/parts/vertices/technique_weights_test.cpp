@@ -95,7 +95,8 @@ std::vector<double> weights_of(RayQueries& rays, const LightPaths& paths, const 
         for (std::size_t i = s; i <= n; ++i)
             density *= backward[i];
         if (s == n + 1) density *= paths.count;
-        if (s == n && s >= 2) density *= rules.first_samples();  // at the first vertex of the camera's walk
+        if (s == n && (s >= 2 || is_delta(light)))
+            density *= rules.first_samples();  // at the first vertex of the camera's walk
         p.push_back(squared(density));
     }
     double sum = std::accumulate(p.begin(), p.end(), 0.0);
@@ -151,13 +152,14 @@ void expect_weights(const LoadedScene& loaded, const Rule& added = {}, std::size
         TracedRay eye{scene.sensor().sample_ray(x, y, sampler)};
         rays.trace(eye);
         PixelSample lost;
+        ConnectionRoulette roulette;  // traces all connections
         CameraWalk(
             rays, eye, sampler, paths, rules, added, lost, [](const FoundLight&) {},
             [&](PathVertex& vertex, auto& along, const VertexNumbers&, NumberStream& flights) {
                 from_camera.push_back(vertex);
                 for (std::size_t s = 1; s <= from_light.size(); ++s) {
                     along.join(rays, vertex, from_light[s - 1]);
-                    const auto joined = connect(rays, vertex, from_light[s - 1], paths, rules, flights);
+                    const auto joined = connect(rays, vertex, from_light[s - 1], paths, rules, 1, roulette, flights);
                     if (!joined) continue;
                     WholePath path{start->sample,
                                    {from_light.begin(), from_light.begin() + static_cast<std::ptrdiff_t>(s)},
