@@ -3,14 +3,14 @@
 // et al. 2002, "A Simple and Robust Mutation Strategy for the Metropolis Light Transport Algorithm".
 //
 // Computes: every component. A state of a chain is a path from the camera and one from a light, joined in all ways; its size f
-// is the sum of all light that they carry to the image. Paths of one and two edges are sampled as bidirectional does, since
-// chains gain nothing there.
+// is the sum of all light that they carry to the image. Paths of one and two edges are sampled from the camera, with light
+// sampling, since chains and light walks gain little there; in media and for pencils of light as bidirectional does.
 // Parameters: large_steps is the probability of a step that forgets the state; spp and max_depth as for all methods.
 // Bias: none, for paths that bidirectional can sample. Each pass has chains of its own. Independent samples give the mean b of
 // f, and the chains start at some of these, chosen in proportion to f. Whatever the number of steps, b times the mean of h / f
 // over a chain's states then has the expected value of h (Veach 1997, section 11.3.1): there is no start-up bias, and
 // passes are independent.
-// A pass: for every pixel one bidirectional sample of up to two edges, one step of a chain and one independent sample.
+// A pass: for every pixel one sample of up to two edges, one step of a chain and one independent sample.
 // Noise: neighbouring pixels share the states of a chain, so noise has blobs, and the brightness of a feature that few
 // chains find is uncertain as a whole.
 // Fails: never; non-finite samples are counted and dropped.
