@@ -21,6 +21,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <tuple>
 
 namespace gib {
@@ -251,16 +252,19 @@ std::optional<std::map<std::string, std::string>> exr_attributes(const std::stri
 
 std::string bias_layer_of(std::string_view layer) { return std::string(layer) + "_" + std::string(bias_layer_suffix); }
 
-LayeredImage layers_of(const ComponentImages& image) {
+LayeredImage layers_of(ComponentImages image) {
     LayeredImage file;
+    const auto add = [&file](std::string name, std::optional<Image>& layer) {
+        if (layer) file.layers.emplace_back(std::move(name), std::move(*layer));
+    };
     file.layers.emplace_back("", image.total());
+    auto total_bias = image.total_bias();
     for (Component c : all_components)
-        if (image[c]) file.layers.emplace_back(std::string(name_of(c)), *image[c]);
-    if (const auto bias = image.total_bias()) file.layers.emplace_back(std::string(bias_layer_suffix), *bias);
+        add(std::string(name_of(c)), image[c]);
+    add(std::string(bias_layer_suffix), total_bias);
     for (Component c : all_components)
-        if (const auto& bias = image.bias[static_cast<std::size_t>(index_of(c))])
-            file.layers.emplace_back(bias_layer_of(name_of(c)), *bias);
-    file.layers.insert(file.layers.end(), image.techniques.begin(), image.techniques.end());
+        add(bias_layer_of(name_of(c)), image.bias[static_cast<std::size_t>(index_of(c))]);
+    std::move(image.techniques.begin(), image.techniques.end(), std::back_inserter(file.layers));
     return file;
 }
 
