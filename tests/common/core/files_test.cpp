@@ -66,8 +66,7 @@ TEST(WrittenFile, AFailureIsThrownAgainAtTheEnd) {
     const Descriptor full(::open("/dev/full", O_WRONLY));
     ASSERT_GE(full.get(), 0);
     FileContent content(full.get(), "full");
-    content.write("x");
-    EXPECT_THROW(content.seek(0), RunError);
+    EXPECT_THROW(content.write(std::string(300'000, 'x')), RunError);
     EXPECT_THROW(content.flush(), RunError);
 }
 
