@@ -25,6 +25,11 @@ namespace {
 
 constexpr std::string_view temporary_mark = ".tmp-";
 constexpr std::size_t temporary_letters = 6;  // the number that mkostemp() requires
+constexpr std::size_t piece_bytes = std::size_t{256} << 10;
+
+[[noreturn]] void fail(const std::string& path, const char* what, int error = errno) {
+    throw RunError(fmt::format("{}: {}: {}", path, what, std::strerror(error)));
+}
 
 /// A temporary file, which is deleted unless it was renamed to its target. Its writer holds a lock on it; a temporary
 /// file without a lock was left by a process that died.
@@ -50,14 +55,7 @@ public:
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-    void write(std::string_view content, const std::string& target) {
-        while (!content.empty()) {
-            const ssize_t written = ::write(descriptor_->get(), content.data(), content.size());
-            if (written < 0 && errno == EINTR) continue;
-            if (written < 0) fail(target, "cannot write");
-            content.remove_prefix(static_cast<std::size_t>(written));
-        }
-    }
+    int descriptor() const { return descriptor_->get(); }
     void move_to(const std::string& target, Flush flush) {
         // mkostemp() makes a private file; a result must be as readable as any other new file.
         const mode_t mask = ::umask(0);
@@ -71,11 +69,6 @@ public:
     }
 
 private:
-    [[noreturn]] static void fail(const std::string& target, const char* what) {
-        const int error = errno;
-        throw RunError(fmt::format("{}: {}: {}", target, what, std::strerror(error)));
-    }
-
     std::string path_;
     std::unique_ptr<Descriptor> descriptor_;
 };
@@ -127,9 +120,47 @@ std::string read_file(const std::string& path) {
     return content;
 }
 
+void FileContent::write(std::string_view data) {
+    if (pending_.size() + data.size() > piece_bytes) flush();
+    if (data.size() > piece_bytes) hand_over(data);
+    else pending_.append(data);
+}
+
+void FileContent::seek(std::uint64_t position) {
+    flush();
+    if (::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) error_ = errno;
+    written_ = position;
+}
+
+void FileContent::flush() {
+    hand_over(pending_);
+    pending_.clear();
+}
+
+void FileContent::hand_over(std::string_view data) {
+    while (error_ == 0 && !data.empty()) {
+        const ssize_t written = ::write(descriptor_, data.data(), data.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) {
+            error_ = errno;
+            break;
+        }
+        written_ += static_cast<std::uint64_t>(written);
+        data.remove_prefix(static_cast<std::size_t>(written));
+    }
+    if (error_ != 0) fail(path_, "cannot write", error_);
+}
+
 void write_file(const std::string& path, std::string_view content, Flush flush) {
+    write_file(
+        path, [&](FileContent& file) { file.write(content); }, flush);
+}
+
+void write_file(const std::string& path, const std::function<void(FileContent&)>& make, Flush flush) {
     TemporaryFile temporary(path);
-    temporary.write(content, path);
+    FileContent content(temporary.descriptor(), path);
+    make(content);
+    content.flush();
     temporary.move_to(path, flush);
     if (flush == Flush::later) return;
     // The new name is part of the folder, which has to reach the disk too. Not every file system can flush a folder,

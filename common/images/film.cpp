@@ -28,9 +28,8 @@ Film::Film(int width, int height, const std::vector<Component>& accumulated, con
     : width_(width), height_(height), black_(black) {
     const auto summed = static_cast<double>(accumulated.size());
     const double shown = summed + static_cast<double>(black.size());
-    // A value needs memory for its sum in double, for the image in float, and three times for the layers and their
-    // total: once as layers and twice for the file that is written.
-    const double of_a_value = sizeof(double) * summed + sizeof(float) * (shown + 3 * (shown + 1));
+    // A value needs memory for its sum in double, for the image in float, and for the layers and their total.
+    const double of_a_value = sizeof(double) * summed + sizeof(float) * (2 * shown + 1);
     require_memory(3.0 * width * height * of_a_value, fmt::format("a film of {} x {} pixels", width, height));
     for (Component c : accumulated)
         sums_[static_cast<std::size_t>(index_of(c))].assign(

@@ -2,6 +2,7 @@
 
 #include "common/color/cie.h"
 #include "common/color/srgb.h"
+#include "common/core/descriptor.h"
 #include "common/core/error.h"
 #include "common/core/files.h"
 #include "common/images/image_library.h"
@@ -9,17 +10,18 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
-#include <ImfStdIO.h>
 #include <ImfStringAttribute.h>
 
+#include <fcntl.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <iterator>
 #include <tuple>
 
 namespace gib {
@@ -42,8 +44,19 @@ std::string channel_name(const std::string& layer, const std::string& channel) {
 
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-/// Encodes the whole file in memory, so that writing it to disk is one step, which succeeds or fails as a whole.
-std::string encode_exr(const LayeredImage& image, Imf::Compression compression) {
+/// OpenEXR's view of the content of a file.
+class ExrStream final : public Imf::OStream {
+public:
+    explicit ExrStream(FileContent& content) : Imf::OStream(""), content_(content) {}
+    void write(const char data[], int size) override { content_.write({data, static_cast<std::size_t>(size)}); }
+    std::uint64_t tellp() override { return content_.position(); }
+    void seekp(std::uint64_t position) override { content_.seek(position); }
+
+private:
+    FileContent& content_;
+};
+
+void encode_exr(FileContent& content, const LayeredImage& image, Imf::Compression compression) {
     if (image.layers.empty()) throw std::invalid_argument("an EXR file needs a layer");
     const Image& first = image.layers[0].second;
     Imf::Header header(first.width, first.height);
@@ -63,13 +76,11 @@ std::string encode_exr(const LayeredImage& image, Imf::Compression compression) 
                                               pixel_bytes * static_cast<std::size_t>(layer.width)));
         }
     }
-    Imf::StdOSStream stream;
-    {
-        Imf::OutputFile file(stream, header);
-        file.setFrameBuffer(pixels);
-        file.writePixels(first.height);
-    }  // the destructor writes the table of offsets
-    return stream.str();
+    ExrStream stream(content);
+    Imf::OutputFile file(stream, header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(first.height);
+    // The destructor of `file` writes the table of offsets.
 }
 
 /// Throws InputError if the data window does not cover the display window: a cropped image cannot be compared with a
@@ -169,9 +180,13 @@ std::vector<StoredLayer> layers_among(const std::vector<std::string>& names, con
     return layers;
 }
 
-std::string encoded_for(const std::string& path, const LayeredImage& image, Imf::Compression compression) {
+/// As encode_exr(), for the file `path`: all errors are RunErrors that name it.
+void encode_for(const std::string& path, FileContent& content, const LayeredImage& image,
+                Imf::Compression compression) {
     try {
-        return encode_exr(image, compression);
+        encode_exr(content, image, compression);
+    } catch (const RunError&) {
+        throw;
     } catch (const std::exception& e) {
         throw RunError(path + ": " + e.what());
     }
@@ -190,16 +205,16 @@ void write_exr(const std::string& path, const LayeredImage& image, Flush flush) 
     // 69 ms for 1.57 MB, and run lengths take 9 ms for 2.08 MB. Who does not wait for the disk does not wait for that
     // either, and gets 4.72 MB.
     const Imf::Compression compression = flush == Flush::now ? Imf::RLE_COMPRESSION : Imf::NO_COMPRESSION;
-    write_file(path, encoded_for(path, image, compression), flush);
+    write_file(
+        path, [&](FileContent& content) { encode_for(path, content, image, compression); }, flush);
 }
 
 void write_scratch_exr(const std::string& path, const LayeredImage& image) {
-    const std::string content = encoded_for(path, image, Imf::NO_COMPRESSION);
-    errno = 0;
-    std::ofstream file(path, std::ios::binary);
-    file.write(content.data(), static_cast<std::streamsize>(content.size()));
-    file.close();
-    if (!file) throw RunError(path + ": cannot write" + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+    const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    if (file.get() < 0) throw RunError(path + ": cannot write: " + std::strerror(errno));
+    FileContent content(file.get(), path);
+    encode_for(path, content, image, Imf::NO_COMPRESSION);
+    content.flush();
 }
 
 LayeredImage read_image(const std::string& path) {
@@ -237,16 +252,19 @@ std::optional<std::map<std::string, std::string>> exr_attributes(const std::stri
 
 std::string bias_layer_of(std::string_view layer) { return std::string(layer) + "_" + std::string(bias_layer_suffix); }
 
-LayeredImage layers_of(const ComponentImages& image) {
+LayeredImage layers_of(ComponentImages image) {
     LayeredImage file;
+    const auto add = [&file](std::string name, std::optional<Image>& layer) {
+        if (layer) file.layers.emplace_back(std::move(name), std::move(*layer));
+    };
     file.layers.emplace_back("", image.total());
+    auto total_bias = image.total_bias();
     for (Component c : all_components)
-        if (image[c]) file.layers.emplace_back(std::string(name_of(c)), *image[c]);
-    if (const auto bias = image.total_bias()) file.layers.emplace_back(std::string(bias_layer_suffix), *bias);
+        add(std::string(name_of(c)), image[c]);
+    add(std::string(bias_layer_suffix), total_bias);
     for (Component c : all_components)
-        if (const auto& bias = image.bias[static_cast<std::size_t>(index_of(c))])
-            file.layers.emplace_back(bias_layer_of(name_of(c)), *bias);
-    file.layers.insert(file.layers.end(), image.techniques.begin(), image.techniques.end());
+        add(bias_layer_of(name_of(c)), image.bias[static_cast<std::size_t>(index_of(c))]);
+    std::move(image.techniques.begin(), image.techniques.end(), std::back_inserter(file.layers));
     return file;
 }
 

@@ -42,7 +42,7 @@ std::optional<std::map<std::string, std::string>> exr_attributes(const std::stri
 std::string bias_layer_of(std::string_view layer);
 /// The layers of a render: the sum of its components as R,G,B (layer ""), each component that is present, and the
 /// estimated bias of the sum ("bias") and of components.
-LayeredImage layers_of(const ComponentImages& image);
+LayeredImage layers_of(ComponentImages image);
 /// The inverse of layers_of(): the component layers of a file. The layer "", the sum, is left out; a file without
 /// component layers gives no component.
 ComponentImages components_in(const LayeredImage& image);

@@ -55,8 +55,8 @@ void measure_request(const CellRequest& request) {
                            .filter = filter.does_anything() ? &filter : nullptr};
 
     auto said = clock::now();
-    const auto sink = [&](const Checkpoint& checkpoint, const ComponentImages& image) {
-        LayeredImage file = layers_of(image);
+    const auto sink = [&](const Checkpoint& checkpoint, ComponentImages&& image) {
+        LayeredImage file = layers_of(std::move(image));
         for (auto& layer : filter.layers(checkpoint.passes))
             file.layers.push_back(std::move(layer));
         write_scratch_exr(checkpoint_image(request.work_folder, checkpoint.passes), file);

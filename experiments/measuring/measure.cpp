@@ -85,7 +85,7 @@ public:
             if (is_filtered) image = filtered(passes, image);
             result_.checkpoints.push_back(
                 {.passes = passes, .seconds = charged + filtering_, .counts = run.counts(), .peak_rss_mib = peak_});
-            sink_(result_.checkpoints.back(), image);
+            sink_(result_.checkpoints.back(), std::move(image));
         }
         reset_peak_rss();
     }

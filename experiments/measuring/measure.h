@@ -47,8 +47,8 @@ struct Measurement {
     std::vector<std::pair<std::string, std::string>> facts;  ///< (name, value), see Run::facts()
 };
 
-/// Receives each checkpoint with its image; its time is not charged.
-using CheckpointSink = std::function<void(const Checkpoint&, const ComponentImages&)>;
+/// Receives each checkpoint with its image, which is its own; its time is not charged.
+using CheckpointSink = std::function<void(const Checkpoint&, ComponentImages&&)>;
 /// Is called after each pass; its time is not charged. It may throw to stop the measurement.
 using PassObserver = std::function<void(std::uint32_t passes, double seconds)>;
 

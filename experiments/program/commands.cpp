@@ -173,8 +173,8 @@ void render(const RenderOptions& options, std::ostream& out) {
     Measurement measured;
     ProgressLine progress;
     warn_of_left_out(*loaded.scene, method->plan(*loaded.scene), chosen.label, progress);
-    const auto keep = [&](const Checkpoint& checkpoint, const ComponentImages& components) {
-        image = layers_of(components);
+    const auto keep = [&](const Checkpoint& checkpoint, ComponentImages&& components) {
+        image = layers_of(std::move(components));
         for (auto& layer : filter.layers(checkpoint.passes))
             image.layers.push_back(std::move(layer));
     };

@@ -89,6 +89,7 @@ public:
                                          ? trace_path_in(directions, rays, eye, sampler, max_edges_, light_sampling_)
                                          : trace_path(rays, eye, sampler, {max_edges_, light_sampling_});
                 if (tells) directions.tell(field_, sampler);
+                if (weight == 1) return sample;
                 for (Color& part : sample.parts)
                     part *= static_cast<float>(weight);
                 return sample;

@@ -3,14 +3,14 @@
 // et al. 2002, "A Simple and Robust Mutation Strategy for the Metropolis Light Transport Algorithm".
 //
 // Computes: every component. A state of a chain is a path from the camera and one from a light, joined in all ways; its size f
-// is the sum of all light that they carry to the image. Paths of one and two edges are sampled as bidirectional does, since
-// chains gain nothing there.
+// is the sum of all light that they carry to the image. Paths of one and two edges are sampled from the camera, with light
+// sampling, since chains and light walks gain little there; in media and for pencils of light as bidirectional does.
 // Parameters: large_steps is the probability of a step that forgets the state; spp and max_depth as for all methods.
 // Bias: none, for paths that bidirectional can sample. Each pass has chains of its own. Independent samples give the mean b of
 // f, and the chains start at some of these, chosen in proportion to f. Whatever the number of steps, b times the mean of h / f
 // over a chain's states then has the expected value of h (Veach 1997, section 11.3.1): there is no start-up bias, and
 // passes are independent.
-// A pass: for every pixel one bidirectional sample of up to two edges, one step of a chain and one independent sample.
+// A pass: for every pixel one sample of up to two edges, one step of a chain and one independent sample.
 // Noise: neighbouring pixels share the states of a chain, so noise has blobs, and the brightness of a feature that few
 // chains find is uncertain as a whole.
 // Fails: never; non-finite samples are counted and dropped.
@@ -21,8 +21,8 @@
 #include "methods/parts/vertices/joined_paths.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 namespace gib {
@@ -40,7 +40,13 @@ struct Settings {
     int max_edges;
 };
 
-PathRules short_paths(const Settings& settings) { return {.max_edges = std::min(settings.max_edges, shortest - 1)}; }
+/// Paths of one and two edges: between surfaces, light sampling finds them as well without light walks, in half of the time.
+/// Only light in media and of pencils needs the walks.
+PathRules short_paths(const Scene& scene, const Effects& called_for, const Settings& settings) {
+    const bool needs_walks =
+        scene.has_media() || !components_of_pencils(scene, called_for, {Component::direct}).empty();
+    return {.max_edges = std::min(settings.max_edges, shortest - 1), .follows_light = needs_walks};
+}
 
 /// The light that the paths of one state give to pixels: radiance [W/(sr m^2)] times the number of pixels.
 struct State {
@@ -50,7 +56,7 @@ struct State {
     double visits = 0;       ///< how often its chain has been in it, as an expected value
 };
 
-/// Makes the states of one thread.
+/// Makes the states of one thread at a time.
 class StateMaker {
 public:
     StateMaker(const Scene& scene, const JoinedPaths<NoMerging>& joined, const Pass& pass, SplatFilm& film)
@@ -103,6 +109,13 @@ private:
     JoinedPathsEstimate<NoMerging> estimate_;
 };
 
+/// What a thread needs for its states. It keeps its memory, so that steps allocate none.
+struct Worker {
+    StateMaker maker;
+    PrimarySample sample = {};
+    State now = {}, next = {};
+};
+
 class MetropolisRun final : public Run {
 public:
     MetropolisRun(const Scene& scene, const Settings& settings, const Plan& plan, std::unique_ptr<Run> short_paths,
@@ -150,7 +163,8 @@ public:
     }
     RunCounts counts() const override {
         RunCounts counts = short_paths_->counts();
-        counts.rays += rays_;
+        for (const auto& worker : idle_)
+            counts.rays += worker->maker.rays();
         counts.non_finite = counts.non_finite + film_.non_finite();
         return counts;
     }
@@ -167,20 +181,30 @@ private:
     /// The sizes of independent states, among which the chains find their starts. Their light goes to the film, if it counts.
     std::vector<double> sample_starts(std::uint64_t key, bool counts) {
         std::vector<double> sizes(starts_);
-        std::atomic<std::uint64_t> traced = 0;
         parallel_blocks(starts_, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
-            StateMaker maker(scene_, joined_, pass_, film_);
-            State state;
+            auto worker = take_worker();
+            State& state = worker->now;
             for (std::size_t i = begin; i < end; ++i) {
-                maker.make(numbers(key, i), state);
+                worker->maker.make(numbers(key, i), state);
                 sizes[i] = state.size;
                 state.independent = 1;
                 if (counts) splat(state, 0);
             }
-            traced += maker.rays();
+            give_back(std::move(worker));
         });
-        rays_ += traced;
         return sizes;
+    }
+
+    std::unique_ptr<Worker> take_worker() {
+        const std::lock_guard lock(idle_access_);
+        if (idle_.empty()) return std::unique_ptr<Worker>(new Worker{{scene_, joined_, pass_, film_}});
+        auto worker = std::move(idle_.back());
+        idle_.pop_back();
+        return worker;
+    }
+    void give_back(std::unique_ptr<Worker> worker) {
+        const std::lock_guard lock(idle_access_);
+        idle_.push_back(std::move(worker));
     }
 
     /// Chains of equal length start at places that divide the sum of all sizes, whose mean is `mean`, evenly.
@@ -188,26 +212,24 @@ private:
         std::vector<double> cumulative(sizes.size());
         std::partial_sum(sizes.begin(), sizes.end(), cumulative.begin());
         const double offset = double{Sampler(PointSet::independent, key, 1, 0).get_1d(0)};
-        std::atomic<std::uint64_t> traced = 0;
         StageProgress progress(stages_, step_chains, chains_);
         parallel_blocks(chains_, 1, [&](std::size_t chain, std::size_t, std::size_t) {
             const double at = (static_cast<double>(chain) + offset) / static_cast<double>(chains_) * cumulative.back();
             const auto start =
                 std::min(std::upper_bound(cumulative.begin(), cumulative.end(), at), cumulative.end() - 1);
-            StateMaker maker(scene_, joined_, pass_, film_);
-            follow_chain(maker, key, static_cast<std::size_t>(start - cumulative.begin()), chain, mean);
-            traced += maker.rays();
+            auto worker = take_worker();
+            follow_chain(*worker, key, static_cast<std::size_t>(start - cumulative.begin()), chain, mean);
+            give_back(std::move(worker));
             progress.add(1);
         });
-        rays_ += traced;
     }
 
     /// One chain: its states and its proposals, each weighed by the probability that the chain takes it (Veach 1997, section
     /// 11.3.2). `mean` is b of this pass. If it is 0, the states have no weight, but the large steps still count as independent
     /// samples, whose number must not depend on what the others found.
-    void follow_chain(StateMaker& maker, std::uint64_t key, std::size_t first, std::size_t chain, double mean) {
-        PrimarySample sample;
-        State now, next;
+    void follow_chain(Worker& worker, std::uint64_t key, std::size_t first, std::size_t chain, double mean) {
+        auto& [maker, sample, now, next] = worker;
+        sample.restart();
         maker.make(Sampler(sample, numbers(key, first)), now);
         sample.accept();
         for (std::uint32_t step = 0; step < steps_; ++step) {
@@ -266,7 +288,8 @@ private:
     Pass pass_{};
     std::size_t chains_, steps_, starts_;          ///< of a pass; steps are those of one chain
     double expected_mean_ = 1, sum_of_means_ = 0;  ///< estimate of b, 0 if no light is known; its sum over passes
-    std::uint64_t rays_ = 0;
+    std::vector<std::unique_ptr<Worker>> idle_;
+    std::mutex idle_access_;
     std::uint32_t passes_ = 0;
 };
 
@@ -290,8 +313,9 @@ public:
         const Plan planned = plan(scene);
         const ShownComponents shown = shown_components(scene, planned.called_for, find_method("metropolis"));
         Plan of_short_paths = described_plan(scene, find_method("metropolis"));
-        add_joined_paths(of_short_paths, scene, short_paths(settings_));
-        auto short_run = start_joined_paths(scene, short_paths(settings_), {}, of_short_paths, shown, seed, stages);
+        const PathRules rules = short_paths(scene, planned.called_for, settings_);
+        add_joined_paths(of_short_paths, scene, rules);
+        auto short_run = start_joined_paths(scene, rules, {}, of_short_paths, shown, seed, stages);
         return std::make_unique<MetropolisRun>(scene, settings_, planned, std::move(short_run), shown, seed, stages);
     }
 

@@ -1,5 +1,6 @@
 #include "methods/metropolis/primary_sample.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -26,6 +27,13 @@ EightFloats perturbed(const EightFloats& numbers, const EightFloats& u) {
 }
 
 }  // namespace
+
+void PrimarySample::restart() {
+    std::fill(table_.begin(), table_.end(), Block());
+    changed_.clear();
+    state_ = last_large_ = last_large_before_ = 1;
+    used_ = 0;
+}
 
 void PrimarySample::propose(bool is_large) {
     ++state_;
@@ -56,12 +64,12 @@ void PrimarySample::grow() {
 
 EightFloats PrimarySample::block(std::uint64_t path_key, std::uint32_t index, const EightFloats& fresh) {
     if (2 * used_ >= table_.size()) grow();
-    const std::uint64_t key = combine_keys(path_key, index) | 1;  // not 0
+    const std::uint64_t key = mix64(path_key + index * 0x9e3779b97f4a7c15ull) | 1;  // not 0
     Block& block = find(key);
     if (block.state == state_) return block.numbers;
+    changed_.push_back({block.numbers, key, block.state});
     used_ += block.key == 0;
     block.key = key;
-    changed_.push_back(block);
     // Numbers that no state has asked for since the last large step are uniform, however often they were perturbed.
     if (block.state < last_large_) {
         block.numbers = fresh;

@@ -11,6 +11,8 @@ namespace gib {
 
 class PrimarySample final : public NumberStore {
 public:
+    /// Starts another chain, in the memory of the last one.
+    void restart();
     /// Proposes the next state: all numbers anew for a large step, else a small perturbation of each. It is to be
     /// accepted or rejected before the next one is proposed. Both take what they need from the fresh numbers, which must differ
     /// between proposals.

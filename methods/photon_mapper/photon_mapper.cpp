@@ -154,7 +154,7 @@ public:
         if (!traces_) return Progress::converged;
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [this, block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
-                                                         std::size_t pixel) mutable {
+                                                         std::size_t pixel) mutable -> const PixelSample& {
                 return block.sample_split(rays, eye, sampler, pixel, settings_.direct_samples);
             };
         });

@@ -67,7 +67,7 @@ public:
         set_radii(settings_.first_pass + pass);
         rays_ += sample_pixels(scene_, film_, PointSet::sobol, seed_, pass, stages_, "gather", [this] {
             return [block = EyePass(maps_, walk_)](RayQueries& rays, const TracedRay& eye,
-                                                   const Sampler& sampler) mutable {
+                                                   const Sampler& sampler) mutable -> const BiasedSample& {
                 return block.sample(rays, eye, sampler);
             };
         });

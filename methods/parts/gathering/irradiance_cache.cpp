@@ -20,11 +20,6 @@ constexpr float size_by_reach = 1.f;
 /// Largest depth of the octree; deeper nodes would not hold fewer records.
 constexpr int deepest = 24;
 
-int child_at(const Vec3& p, const Vec3& middle) {
-    return static_cast<int>(p.x() >= middle.x()) | static_cast<int>(p.y() >= middle.y()) << 1 |
-           static_cast<int>(p.z() >= middle.z()) << 2;
-}
-
 /// |E| / |translation|, the distance [scene units] over which E changes by as much as itself. The mean of the
 /// channels is taken, because noise would decide in a channel with little light.
 float distance_by_gradient(const IrradianceRecord& record) {
@@ -52,14 +47,18 @@ bool IrradianceCache::Cube::touches(const Vec3& p, float radius) const {
 
 template <typename Visit>
 void IrradianceCache::for_each_near(const Vec3& p, Visit&& visit) const {
-    Cube cube = root_;
-    for (std::uint32_t at = 0;;) {
+    // Three numbers instead of a Cube: a vector that is written in parts and read as a whole stalls the processor.
+    float x = root_.lower.x(), y = root_.lower.y(), z = root_.lower.z(), half = 0.5f * root_.size;
+    const auto descend = [&half](float& lower, float position) {
+        const bool upper = position >= lower + half;
+        lower = upper ? lower + half : lower;
+        return static_cast<std::uint32_t>(upper);
+    };
+    for (std::uint32_t at = 0;; half *= 0.5f) {
         for (const std::uint32_t record : nodes_[at].records)
             if (!visit(record)) return;
         if (nodes_[at].first_child == 0) return;
-        const int child = child_at(p, cube.lower + Vec3::Constant(0.5f * cube.size));
-        cube = cube.child(child);
-        at = nodes_[at].first_child + static_cast<std::uint32_t>(child);
+        at = nodes_[at].first_child + (descend(x, p.x()) | descend(y, p.y()) << 1 | descend(z, p.z()) << 2);
     }
 }
 

@@ -3,6 +3,8 @@
 #include "methods/parts/transport/direct_light.h"
 #include "methods/parts/transport/pixel_samples.h"
 
+#include <memory>
+
 namespace gib {
 
 namespace {
@@ -29,10 +31,9 @@ public:
     static constexpr bool wants_emission = light != EyeLight::stored;
     static constexpr int splits = 2;
 
-    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, PixelBlock& block)
-        : maps_(maps), settings_(settings), block_(block) {}
-
-    const BiasedSample& sample() const { return sample_; }
+    /// Adds to `sample`. All arguments must outlive this.
+    EyePathVisitor(const PhotonMaps& maps, const WalkSettings& settings, PixelBlock& block, BiasedSample& sample)
+        : maps_(maps), settings_(settings), block_(block), sample_(sample) {}
 
     void emitted(const Color& radiance) { sample_.light[Component::emission] += radiance; }
 
@@ -115,28 +116,32 @@ private:
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
     PixelBlock& block_;
-    BiasedSample sample_;
+    BiasedSample& sample_;
 };
 
+/// Adds the light of one eye path to `sample`.
 template <EyeLight light>
-BiasedSample sample_of(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
-                       const Sampler& sampler, PixelBlock& block) {
-    EyePathVisitor<light> visitor(maps, settings, block);
+void follow_eye_path(const PhotonMaps& maps, const WalkSettings& settings, RayQueries& rays, const TracedRay& eye,
+                     const Sampler& sampler, PixelBlock& block, BiasedSample& sample) {
+    EyePathVisitor<light> visitor(maps, settings, block, sample);
     follow_specular_path(rays, sampler, eye, rays.scene().camera_medium(), settings, visitor);
-    return visitor.sample();
 }
 
 }  // namespace
 
-BiasedSample EyePass::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
-    return sample_of<EyeLight::all>(maps_, settings_, rays, eye, sampler, block_);
+const BiasedSample& EyePass::sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler) {
+    std::construct_at(&sample_);  // in place, since an assignment would wait for the parts of what it copies
+    follow_eye_path<EyeLight::all>(maps_, settings_, rays, eye, sampler, block_, sample_);
+    return sample_;
 }
 
-PixelSample EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
-                                  int direct_samples) {
+const PixelSample& EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler,
+                                         std::size_t pixel, int direct_samples) {
     block_.pixel = pixel;
     if (direct_samples == 1) return sample(rays, eye, sampler).light;
-    PixelSample light = sample_of<EyeLight::stored>(maps_, settings_, rays, eye, sampler, block_).light;
+    std::construct_at(&sample_);
+    follow_eye_path<EyeLight::stored>(maps_, settings_, rays, eye, sampler, block_, sample_);
+    PixelSample& light = sample_.light;
     const Sensor& sensor = rays.scene().sensor();
     const auto width = static_cast<std::size_t>(sensor.width());
     const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
@@ -147,10 +152,10 @@ PixelSample EyePass::sample_split(RayQueries& rays, const TracedRay& eye, const 
     };
     const auto ray_of = [&](std::size_t i) { return sensor.sample_ray(x, y, sampler_of(i)); };
     for_each_camera_ray(rays, paths, ray_of, [&](std::size_t i, const TracedRay& ray) {
-        const PixelSample straight =
-            sample_of<EyeLight::straight>(maps_, settings_, rays, ray, sampler_of(i), block_).light;
+        BiasedSample straight;
+        follow_eye_path<EyeLight::straight>(maps_, settings_, rays, ray, sampler_of(i), block_, straight);
         for (const Component c : {Component::emission, Component::direct})
-            light[c] += share * straight[c];
+            light[c] += share * straight.light[c];
     });
     return light;
 }

@@ -43,20 +43,22 @@ class EyePass {
 public:
     EyePass(const PhotonMaps& maps, const WalkSettings& settings) : maps_(maps), settings_(settings) {}
 
-    /// One sample of a pixel along the camera's ray `eye`, with the bias of estimators that are asked for it.
-    BiasedSample sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
+    /// One sample of a pixel along the camera's ray `eye`, with the bias of estimators that are asked for it. It lasts until
+    /// the next one, since a copy would wait for its parts.
+    const BiasedSample& sample(RayQueries& rays, const TracedRay& eye, const Sampler& sampler);
 
     /// The same without the bias, but emission and direct light are the mean over `direct_samples` eye paths of their own
     /// through the pixel, which look up no photons and gather nothing; those of all passes take the points of one
     /// sequence. Where one path serves for all light, more of them are made for the sake of emission and direct light,
     /// and look up the same photons again.
-    PixelSample sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
-                             int direct_samples);
+    const PixelSample& sample_split(RayQueries& rays, const TracedRay& eye, const Sampler& sampler, std::size_t pixel,
+                                    int direct_samples);
 
 private:
     const PhotonMaps& maps_;
     const WalkSettings& settings_;
     PixelBlock block_;
+    BiasedSample sample_;
 };
 
 }  // namespace gib

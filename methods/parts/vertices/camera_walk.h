@@ -112,6 +112,7 @@ private:
     }
     /// Samples of the technique that connects the edge on which the walk has just arrived; 0 if none in use does.
     double samples_of_connection() const {
+        if (!rules_.follows_light) return 0;
         if (walk_.at.vertex == 0) return 1;
         if (!rules_.connects) return 0;
         return first_ && walk_.at.vertex == *first_ + 1 ? rules_.first_samples() : 1;

@@ -135,6 +135,7 @@ private:
             NumberStream flights(numbers);
             splat(sample_light_from_camera(rays, joined_.paths, joined_.film, true, numbers.at_vertex(0), flights), 1);
         }
+        if (!rules_.follows_light) return;
         const Sampler light_sampler = sampler.split(0, 1, light_path);
         const auto start = joined_.paths.emission.sample(light_sampler);
         if (!start) return;

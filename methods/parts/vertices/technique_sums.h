@@ -42,6 +42,7 @@ struct PathRules {
     PointSet points = PointSet::sobol;  ///< of the random numbers
     bool light_sampling = true;         ///< s = 1: points of lights are sampled from the camera's walk
     bool connects = true;               ///< vertices of light walks are connected with the camera's walk and the camera
+    bool follows_light = true;          ///< false: no light walks; only a light in view is connected with the camera
     bool weighs = true;                 ///< false: only one technique is in use, whose weight is 1
     int min_edges = 1;                  ///< edges of the shortest path that counts
     std::size_t shared_paths = 1;       ///< pixels of a group, which share their light paths (shared_vertices.h)

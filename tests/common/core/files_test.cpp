@@ -1,8 +1,10 @@
 // Written files, and the hash of content against hashes that Python's hashlib has computed.
 
+#include "common/core/descriptor.h"
 #include "common/core/error.h"
 #include "tests/support/scene_text.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 namespace gib::test::files_test {
@@ -37,6 +39,35 @@ TEST(WrittenFile, ReplacesTheOldOneAndLeavesNoOther) {
             EXPECT_EQ(read_file(folder / "a"), content);
             EXPECT_EQ(entries_of(folder), 1);
         }
+}
+
+// Lengths on both sides of the pieces that go to the system, and a change at the front, as in an EXR file's table of offsets.
+TEST(WrittenFile, HoldsWhatWasWrittenPieceByPiece) {
+    const TemporaryFolder folder;
+    std::string expected;
+    write_file(folder / "a", [&](FileContent& file) {
+        char letter = 'a';
+        for (const std::size_t length : {1u, 200'000u, 100'000u, 0u, 262'144u, 262'145u, 7u}) {
+            const std::string piece(length, letter++);
+            EXPECT_EQ(file.position(), expected.size());
+            file.write(piece);
+            expected += piece;
+        }
+        file.seek(3);
+        file.write("table");
+        EXPECT_EQ(file.position(), 8u);
+        expected.replace(3, 5, "table");
+    });
+    EXPECT_TRUE(read_file(folder / "a") == expected);
+}
+
+// OpenEXR writes the table of offsets in a destructor, which swallows exceptions.
+TEST(WrittenFile, AFailureIsThrownAgainAtTheEnd) {
+    const Descriptor full(::open("/dev/full", O_WRONLY));
+    ASSERT_GE(full.get(), 0);
+    FileContent content(full.get(), "full");
+    EXPECT_THROW(content.write(std::string(300'000, 'x')), RunError);
+    EXPECT_THROW(content.flush(), RunError);
 }
 
 TEST(Files, AreWrittenWholeOrNotAtAll) {
