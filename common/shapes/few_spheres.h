@@ -74,9 +74,10 @@ private:
         const FourDoubles discriminant = spheres.r2 - ((nx * nx + ny * ny) + nz * nz);
         const auto meets = discriminant >= 0;
         if (bits_of(meets) == 0) return 0;
-        const FourDoubles root = square_root(meets ? a * discriminant : 0 * b), q = b < 0 ? b - root : b + root;
-        const FourDoubles product = ((fx * fx + fy * fy) + fz * fz) - spheres.r2, second = q * per_a;
-        const FourDoubles first = q == 0 ? q : product / (q == 0 ? 1 + q : q);
+        const FourDoubles root = square_root(meets ? a * discriminant : FourDoubles{});
+        const FourDoubles q = b < 0 ? b - root : b + root, product = ((fx * fx + fy * fy) + fz * fz) - spheres.r2;
+        // q is 0 if the line touches at its origin, where `product` and both roots are 0.
+        const FourDoubles first = product / (q == 0 ? 1 + q : q), second = q * per_a;
         const FourDoubles near = first > second ? second : first, far = first > second ? first : second;
         const double t_min{ray.t_min}, t_max{ray.t_max};
         t = near > t_min ? near : far;
