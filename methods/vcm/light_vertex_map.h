@@ -32,9 +32,9 @@ struct LightVertex : LightVertexData {
 
 extern template KdTree<LightVertex>::KdTree(const std::vector<LightVertex>& points);
 
-/// Where some point lies within its radius, the largest of all places: one bit for each cell of a grid, by a hash of the cell (Teschner et al. 2003,
-/// "Optimized Spatial Hashing for Collision Detection of Deformable Objects"). Most places have none, and a look-up in the tree
-/// would wait for memory at each of its levels.
+/// The cells of a grid that some point reaches with its radius, the largest of all places: one bit for each, by a hash of the
+/// cell (Teschner et al. 2003, "Optimized Spatial Hashing for Collision Detection of Deformable Objects"). No point reaches
+/// most places, and a look-up in the tree waits for memory at each level.
 class CellsInReach {
 public:
     CellsInReach() = default;

@@ -44,8 +44,8 @@ public:
     JoinedPathsEstimate(const JoinedPaths<Merging>& joined, const Pass& pass, Splats splats)
         : joined_(joined), rules_(joined.rules), pass_(pass), splats_(std::move(splats)) {}
 
-    /// Follows `count` light paths of pixels that share theirs, before their samples. `first` is the number of the first path in
-    /// the pass. The paths of a pass, not those of a pixel, are a sequence of Sobol' points: a group's paths are stratified.
+    /// Follows `count` light paths of pixels that share theirs, before their samples. `first` is the first path's number in
+    /// the pass. The paths of a pass, not those of a pixel, are a sequence of Sobol' points, so a group's are stratified.
     void start_group(RayQueries& rays, std::size_t first, std::size_t count) {
         light_vertices_.clear();
         next_ = 0;

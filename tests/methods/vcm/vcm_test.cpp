@@ -40,7 +40,7 @@ TEST(VcmSubsets, AgreeInFogWithGlass) {
 }
 
 // Points on both sides of 0, in surfaces and media of different radii: no place near one may be missed, and most others are known
-// to be far from all.
+// to be far from all: 200 points mark at most 1600 of 8000 cells and of 8192 bits, so that 0.8^2 of the places are.
 TEST(CellsInReach, HaveAllPointsWithinTheRadius) {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> uniform(-1.f, 1.f);
@@ -66,7 +66,7 @@ TEST(CellsInReach, HaveAllPointsWithinTheRadius) {
         }
     }
     EXPECT_GT(near, 100);
-    EXPECT_GT(known_far, far * 3 / 4);
+    EXPECT_GT(known_far, far * 6 / 10);
 }
 
 /// The sum over the channels of each component.
