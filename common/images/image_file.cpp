@@ -210,11 +210,13 @@ void write_exr(const std::string& path, const LayeredImage& image, Flush flush) 
 }
 
 void write_scratch_exr(const std::string& path, const LayeredImage& image) {
-    const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-    if (file.get() < 0) throw RunError(path + ": cannot write: " + std::strerror(errno));
+    const auto fail = [&] { throw RunError(path + ": cannot write: " + std::strerror(errno)); };
+    Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    if (file.get() < 0) fail();
     FileContent content(file.get(), path);
     encode_for(path, content, image, Imf::NO_COMPRESSION);
     content.flush();
+    if (!file.close()) fail();
 }
 
 LayeredImage read_image(const std::string& path) {
