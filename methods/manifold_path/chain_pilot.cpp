@@ -14,8 +14,13 @@ namespace {
 
 constexpr std::uint64_t pilot_seed = 0x6d616e69666f6c64;
 constexpr std::size_t pixels = 128, pixels_of_block = 16;
-constexpr std::uint64_t paths = 128;  // of a pixel
-constexpr std::uint32_t photons = 1 << 14;
+/// Paths of one of these pixels: 16 of each pixel of the image together, up to a bound.
+std::uint64_t paths_of(const Scene& scene) {
+    const auto image =
+        static_cast<std::uint64_t>(scene.sensor().width()) * static_cast<std::uint64_t>(scene.sensor().height());
+    return std::clamp<std::uint64_t>(16 * image / pixels, 16, 128);
+}
+constexpr std::uint32_t photons = 1 << 12;
 /// Share of the choices that follows the first guess: kinds that the pilot has not met are possible.
 constexpr double guessed_share = 0.4;
 /// Bounds of the mean number of samples of a light at a point.
@@ -47,6 +52,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
                      .time_of_tables = std::vector<double>(chains.tables())};
     ChainCounts counts;
     RayQueries rays(scene);
+    const std::uint64_t paths = paths_of(scene);
     std::size_t pixel = 0;
     double by_chains = 0;
     const auto keep_sample = [&](const PathWalk& walk, const ChainSampler::Sample& sample, std::uint64_t took) {
@@ -73,7 +79,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
             for (const Color& part : sample.parts)
                 light += double{luminance(part)};
             if (std::isfinite(light)) {
-                block.pixels[pixel].mean += light / paths;
+                block.pixels[pixel].mean += light / static_cast<double>(paths);
                 sum[pixel] += light - by_chains;
                 squares[pixel] += sqr(light - by_chains);
             }
@@ -81,7 +87,7 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
         });
     }
     for (std::size_t i = 0; i < end - begin; ++i)
-        block.pixels[i].rest = squares[i] - sqr(sum[i]) / paths;
+        block.pixels[i].rest = squares[i] - sqr(sum[i]) / static_cast<double>(paths);
     block.rays = rays.count();
     return block;
 }

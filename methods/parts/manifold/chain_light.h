@@ -8,12 +8,12 @@
 // 1. If the straight line from x to y crosses smooth surfaces that transmit, and else only what lets light straight on, a
 //    chain of as many transmissions is sought from the direction of y (Hanika 2015). Nothing is random in this: the
 //    probability is 1.
-// 2. With the probability r, 1 if there is no such chain, others are sought. The kind of the chain is drawn with a
-//    probability q_k that depends on the first surface of the straight line: the shape of x_1, and the events
-//    (reflection, transmission) of 1 to `longest` vertices. The start is a seed, the ray from x to a uniform point of
-//    the shape. A set of seeds of unknown probability p leads to the same chain. New seeds are drawn until one does;
-//    their number n has the mean 1 / p (Zeltner 2020, section 4.3). A chain that the straight line leads to counts
-//    only there.
+// 2. With the probability r, others are sought. The kind of the chain is drawn with a probability q_k: the shape of x_1,
+//    and the events (reflection, transmission) of 1 to `longest` vertices. r and q_k depend on what lies ahead: the
+//    first surface of the straight line, and whether the line has led to a chain. The start is a seed, the ray from x to
+//    a uniform point of the shape, or, for half of them, to y, if the line is of another kind. A set of seeds of unknown
+//    probability p leads to the same chain. New seeds are drawn until one does; their number n has the mean 1 / p
+//    (Zeltner 2020, section 4.3). A chain that the straight line leads to counts only there.
 // With n = 1 for the first chain and n / (r q_k) for another,
 //     f(wo, w) |cos| T Le n / (q pdf_w(y) |det M|)
 // sums to an unbiased estimate of the light of all chains, where T is the chain's weight, and Le / pdf_w(y) is what a
@@ -22,9 +22,9 @@
 // Samples of the bsdf hit lamps too. Their density over directions at x is pdf_w(w) P, with the probability P of the
 // chain's lobes; that of chains is q pdf_w(y) |det M| / n, with r q_k for all chains but the first. The larger of the
 // two, with a constant for n, makes the path (Veach 1997, section 9.2, the maximum heuristic): it depends on the path
-// alone, so that each path is made once. Without this rule the light of a chain near a focus, where det M is 0, would have no bound.
-// The number n has no bound but `most_trials`, where the sample counts as lost and is not finite, so that it is
-// dropped and counted.
+// alone, so that each path is made once. Without this rule the light of a chain near a focus, where det M is 0, would
+// have no bound. The number n has no bound but `most_trials`, where the sample counts as lost and is not finite, so that
+// it is dropped and counted.
 
 #include "methods/parts/manifold/specular_chain.h"
 #include "methods/parts/transport/path_walk.h"

@@ -73,7 +73,9 @@ TEST(Accelerator, PacketsFindWhatSingleRaysFind) {
         }
         for (int hits : hits_of_shape)
             EXPECT_GT(hits, 100);
-        if (!scene.instances().empty()) EXPECT_GT(hits_of_instances, 1000);
+        if (!scene.instances().empty()) {
+            EXPECT_GT(hits_of_instances, 1000);
+        }
         EXPECT_GT(misses, 1000);
     }
 }
