@@ -266,6 +266,16 @@ public:
         return chains_.find(walk_.rays, start_, kind.surface, trace_chain(walk_.rays, start_, w, kind.events), end_);
     }
 
+    /// Number of seeds until one leads to this chain; not a number if most_trials do not.
+    double number_of_trials(const Kind& kind, const Chain& chain, ChainCounts& counts) {
+        for (std::uint32_t n = 1; n <= most_trials; ++n) {
+            const auto again = find_by_seed(kind);
+            if (again && is_same(*again, chain)) return n;
+        }
+        counts.lost.fetch_add(1, std::memory_order_relaxed);
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+
     /// The light of a chain that is found with the probability q / n, where `n_of` is called if it brings light, and
     /// `typical` is an n that depends on the chain alone.
     template <typename NumberOf>
@@ -348,16 +358,9 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
         const Kind kind = kind_of(choice.index);
         const auto other = kind.events.length <= longest ? search->find_by_seed(kind) : std::nullopt;
         if (!other || (first && is_same(*other, *first))) return;
-        const auto number_of_trials = [&] {
-            for (std::uint32_t n = 1; n <= most_trials; ++n) {
-                const auto again = search->find_by_seed(kind);
-                if (again && is_same(*again, *other)) return static_cast<double>(n);
-            }
-            counts.lost.fetch_add(1, std::memory_order_relaxed);
-            return std::numeric_limits<double>::quiet_NaN();
-        };
-        sample.found[1] = search->light_of(*other, table * kinds() + choice.index,
-                                           searches * double{choice.probability}, typical_trials, number_of_trials);
+        sample.found[1] =
+            search->light_of(*other, table * kinds() + choice.index, searches * double{choice.probability},
+                             typical_trials, [&] { return search->number_of_trials(kind, *other, counts); });
     };
     if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)
         sample.spent[1] = {table, time_of_chain_ray * rays_of(seek_other) / searches};
