@@ -80,7 +80,7 @@ public:
         batches_.remove_all();
         std::ranges::move(verdicts_.warnings(rounds_, work_.label, *work_.methods.front()),
                           std::back_inserter(result_.warnings));
-        result_.identity = fmt::format("{}:{}", key_, rounds_.groups.passes);
+        result_.identity = fmt::format("{}:{}", key_, rounds_.groups.units);
         return taken();
     }
 
@@ -116,7 +116,7 @@ private:
     }
 
     bool good_enough() {
-        if (rounds_.groups.passes == 0) return false;
+        if (rounds_.groups.units == 0) return false;
         if (rounds_.reaches_target()) return true;
         if (!rounds_.is_late()) return false;
         if (const auto& target = work_.goal.target)
@@ -154,7 +154,7 @@ private:
 
     FinishedReference unfinished() {
         if (unsaved_) save();
-        return rounds_.groups.passes > 0 ? taken() : std::move(result_);
+        return rounds_.groups.units > 0 ? taken() : std::move(result_);
     }
 
     FinishedReference taken() {
@@ -206,10 +206,10 @@ private:
     }
 
     void add_round() {
-        const std::uint32_t passes = rounds_.next_passes();
+        const std::uint32_t units = rounds_.next_units();
         const RoundImages images = rounds_.add([&](const ReferenceBatch& batch) { return made(batch); },
                                                [&](double of_round) { show(of_round); });
-        verdicts_.keep_round(images, rounds_.shares, passes);
+        verdicts_.keep_round(images, rounds_.shares, units);
         ++result_.rounds_added;
         unsaved_ = true;
         estimate();
@@ -218,12 +218,12 @@ private:
         unsaved_ = false;
     }
 
-    void show(double passes_of_round) {
-        const auto [fraction, left] = rounds_.progress(passes_of_round);
-        const bool has_error = rounds_.groups.passes > 0;
+    void show(double units_of_round) {
+        const auto [fraction, left] = rounds_.progress(units_of_round);
+        const bool has_error = rounds_.groups.units > 0;
         progress_.update(fraction, has_error ? std::optional(left) : std::nullopt,
                          fmt::format("reference of {}: {} samples a pixel{}", work_.scene.name,
-                                     reference_groups * passes_in(rounds_.shares, rounds_.groups.passes),
+                                     reference_groups * passes_in(rounds_.shares, rounds_.groups.units),
                                      has_error ? fmt::format(", error {:.3g} %", 100 * rounds_.error().value()) : ""));
     }
 
@@ -240,7 +240,7 @@ private:
     /// The file of what MethodAgreement keeps, beside the reference.
     std::string agreement_file() const { return work_.path + ".makers.exr"; }
     std::string agreement_state() const {
-        return fmt::format("{} {} {}", key_, rounds_.groups.rounds, rounds_.groups.passes);
+        return fmt::format("{} {} {}", key_, rounds_.groups.rounds, rounds_.groups.units);
     }
 
     std::map<std::string, std::string> metadata() const {
@@ -248,7 +248,7 @@ private:
             {"reference_key", key_},
             {"method", work_.label.text()},
             {"groups", std::to_string(reference_groups)},
-            {"passes", std::to_string(rounds_.groups.passes)},
+            {"passes", std::to_string(rounds_.groups.units)},
             {"rounds", std::to_string(rounds_.groups.rounds)},
             {"seconds", fmt::format("{:.3f}", rounds_.groups.seconds)},
             {"work", fmt::format("{}", rounds_.groups.work)},

@@ -68,7 +68,8 @@ private:
     std::vector<Component> unresolved_;
 };
 
-/// The part of one method in each unit of a reference's work.
+/// The part of one method in a unit of work, the least that a group of a reference is made of: some passes of each of its
+/// methods, one pass if it has one method.
 struct MethodShare {
     std::string method;
     std::uint32_t passes = 1;

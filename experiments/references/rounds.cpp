@@ -37,7 +37,7 @@ void Rounds::estimate() {
 
 ReferenceState Rounds::state() const {
     return {.rounds = groups.rounds,
-            .passes = groups.passes,
+            .units = groups.units,
             .error = error_.up_to(stopping_margin),
             .work = groups.work,
             .seconds = groups.seconds,
@@ -47,13 +47,13 @@ ReferenceState Rounds::state() const {
             .foreseen_work = pilot.foreseen_work};
 }
 
-std::pair<double, double> Rounds::progress(double passes_of_round) const {
-    const double done = static_cast<double>(groups.passes) + passes_of_round, seconds = groups.seconds;
+std::pair<double, double> Rounds::progress(double units_of_round) const {
+    const double done = static_cast<double>(groups.units) + units_of_round, seconds = groups.seconds;
     double fraction = 0, left = infinity;
-    if (goal_.target && groups.passes > 0) {
-        const double all = static_cast<double>(groups.passes) + schedule_.passes_needed(state(), shares);
+    if (goal_.target && groups.units > 0) {
+        const double all = static_cast<double>(groups.units) + schedule_.units_needed(state(), shares);
         fraction = done / all;
-        left = seconds * (all - done) / static_cast<double>(groups.passes);
+        left = seconds * (all - done) / static_cast<double>(groups.units);
     }
     if (goal_.seconds && left > *goal_.seconds - seconds) {
         left = std::max(0.0, *goal_.seconds - seconds);
@@ -62,8 +62,8 @@ std::pair<double, double> Rounds::progress(double passes_of_round) const {
     return {fraction, left};
 }
 
-RoundImages Rounds::add(const MakeBatch& make, const std::function<void(double passes)>& show) {
-    const std::uint32_t passes = next_passes();
+RoundImages Rounds::add(const MakeBatch& make, const std::function<void(double units)>& show) {
+    const std::uint32_t units = next_units();
     const bool is_shared = shares.size() > 1;
     RoundImages by_method(shares.size());
     DroppedSamples dropped = groups.dropped;
@@ -71,7 +71,7 @@ RoundImages Rounds::add(const MakeBatch& make, const std::function<void(double p
     std::vector<ComponentImages> round, group(shares.size());  // images of one group, by method
     const std::vector<ReferenceBatch> all = next_batches();
     for (std::size_t i = 0; i < all.size(); ++i) {
-        show(static_cast<double>(i) / static_cast<double>(all.size()) * passes);
+        show(static_cast<double>(i) / static_cast<double>(all.size()) * units);
         MadeBatch batch = make(all[i]);
         group[all[i].method] = std::move(batch.images);
         dropped.add(batch.dropped);
@@ -82,7 +82,7 @@ RoundImages Rounds::add(const MakeBatch& make, const std::function<void(double p
         for (std::size_t m = 0; is_shared && m < shares.size(); ++m)
             if (shares[m].passes > 0) by_method[m].push_back(std::move(group[m]));
     }
-    groups.add_round(round, passes);
+    groups.add_round(round, units);
     groups.dropped = dropped;
     groups.seconds += seconds;
     groups.work += work;

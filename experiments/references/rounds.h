@@ -1,6 +1,6 @@
 #pragma once
 // The rounds of a reference: each adds one batch of equal length to every group. Knows the error so far, and by it how
-// many passes come next (schedule.h) and whether the goal is met.
+// many units come next (schedule.h) and whether the goal is met.
 
 #include "experiments/references/pilot.h"
 #include "experiments/references/schedule.h"
@@ -48,14 +48,14 @@ public:
     std::vector<ReferenceBatch> next_batches() const { return schedule_.next_batches(state(), shares); }
     std::vector<ReferenceBatch> batches_ahead() const { return schedule_.batches_ahead(state(), shares); }
     double work_left() const { return schedule_.work_left(state(), shares); }
-    /// The number of passes of each group in the next round.
-    std::uint32_t next_passes() const { return schedule_.next_passes(state(), shares); }
+    /// The number of units of each group in the next round.
+    std::uint32_t next_units() const { return schedule_.next_units(state(), shares); }
     /// The share of the reference that is done while a round is made, and the seconds that are left; infinite: unknown.
-    std::pair<double, double> progress(double passes_of_round) const;
+    std::pair<double, double> progress(double units_of_round) const;
 
-    /// Makes the next round with `make`; an interrupted one does not count. `show` receives the passes of the round
+    /// Makes the next round with `make`; an interrupted one does not count. `show` receives the units of the round
     /// that are done. Returns the images by method if there are several methods.
-    RoundImages add(const MakeBatch& make, const std::function<void(double passes)>& show);
+    RoundImages add(const MakeBatch& make, const std::function<void(double units)>& show);
     /// Gives up all rounds. The next ones have new seeds.
     void restart();
 

@@ -1,5 +1,5 @@
 #pragma once
-// How many passes the rounds of a reference have, and what is left to do. Where a target ends the reference, these
+// How many units of work the rounds of a reference have, and what is left to do. Where a target ends the reference, these
 // numbers follow from its error and from counts of rays alone, never from time, so that they are the same on every
 // machine.
 
@@ -15,10 +15,10 @@ namespace gib {
 /// The state of a reference between two rounds.
 struct ReferenceState {
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MethodShare); of passes if there is one method
-    double error = 0;    ///< relative standard error that is to fall to the target; unknown before the first round
-    double work = 0;     ///< work of all rounds (MadeBatch::work); 0: unknown
-    double seconds = 0;  ///< time of all rounds and the pilot
+    std::uint64_t units = 0;  ///< in each group, of work as MethodShare has it
+    double error = 0;         ///< relative standard error that is to fall to the target; unknown before the first round
+    double work = 0;          ///< work of all rounds (MadeBatch::work); 0: unknown
+    double seconds = 0;       ///< time of all rounds and the pilot
     double pilot_seconds = 0;  ///< time of the pilot
     double pilot_work = 0;     ///< work of the pilot; 0: there was none
     double unit_work = 0;      ///< work of one unit of all groups, by the pilot
@@ -31,11 +31,11 @@ public:
 
     /// Whether the target is reached. No target counts as reached before each group has a few passes.
     bool reaches_target(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
-    /// The number of passes that the target still needs; there must be one. The error falls with the square root of the
-    /// number of passes.
-    double passes_needed(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
-    /// The passes of the next round.
-    std::uint32_t next_passes(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
+    /// The number of units that the target still needs; there must be one. The error falls with the square root of their
+    /// number.
+    double units_needed(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
+    /// The units of the next round.
+    std::uint32_t next_units(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The batches of the next round, by groups.
     std::vector<ReferenceBatch> next_batches(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
     /// The batches of all rounds up to the goal, as far as they can be foreseen, of 16 rounds at most.
@@ -44,8 +44,8 @@ public:
     double work_left(const ReferenceState& state, const std::vector<MethodShare>& shares) const;
 
 private:
-    /// The passes of the first round.
-    std::uint32_t first_passes(const ReferenceState& state) const;
+    /// The units of the first round.
+    std::uint32_t first_units(const ReferenceState& state) const;
 
     const ReferenceGoal& goal_;
 };

@@ -66,10 +66,10 @@ bool is_sound(const ReferenceLayer& layer) {
 
 }  // namespace
 
-void ReferenceGroups::add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes) {
+void ReferenceGroups::add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_units) {
     ++rounds;
-    const double share = static_cast<double>(batch_passes) / static_cast<double>(passes + batch_passes);
-    passes += batch_passes;
+    const double share = static_cast<double>(batch_units) / static_cast<double>(units + batch_units);
+    units += batch_units;
     if (groups_.empty()) {
         groups_ = batches;
         return;
@@ -102,7 +102,7 @@ ReferenceGroups ReferenceGroups::read(const std::string& path, const std::string
         throw InputError({path}, "its size is not the scene's");
     ReferenceGroups groups;
     groups.rounds = number_in<std::uint32_t>(file.metadata, "rounds", path);
-    groups.passes = number_in<std::uint64_t>(file.metadata, "passes", path);
+    groups.units = number_in<std::uint64_t>(file.metadata, "passes", path);
     groups.seconds = number_in<double>(file.metadata, "seconds", path);
     if (file.metadata.count("work") > 0) groups.work = number_in<double>(file.metadata, "work", path);
     if (file.metadata.count("not_finite") > 0) {

@@ -28,18 +28,18 @@ struct DroppedSamples {
 class ReferenceGroups {
 public:
     std::uint32_t rounds = 0;
-    std::uint64_t passes = 0;  ///< number of units in each group (MethodShare); of passes if there is one method
-    double seconds = 0;        ///< wall-clock, all rounds and the pilot together
-    double work = 0;           ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
+    std::uint64_t units = 0;  ///< in each group, of work as MethodShare has it; the attribute `passes`
+    double seconds = 0;       ///< wall-clock, all rounds and the pilot together
+    double work = 0;          ///< work of all rounds together (MadeBatch::work); 0 in files of older versions
     DroppedSamples dropped;
 
-    /// Adds a round: `batches` has for each group the image of a batch of `batch_passes` passes. Throws RunError if
+    /// Adds a round: `batches` has for each group the image of a batch of `batch_units` units. Throws RunError if
     /// the components of the batches differ.
-    void add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_passes);
+    void add_round(const std::vector<ComponentImages>& batches, std::uint64_t batch_units);
     /// Forgets the images and what it took to make them; `rounds`, which decide seeds, and the rest are kept.
     void restart() {
         groups_.clear();
-        passes = 0;
+        units = 0;
         work = 0;
     }
     const std::vector<ComponentImages>& groups() const { return groups_; }

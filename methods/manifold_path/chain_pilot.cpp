@@ -41,15 +41,14 @@ struct PilotPixel {
 struct PilotBlock {
     std::vector<PilotPixel> pixels;
     std::uint64_t rays = 0, chain_rays = 0;
-    std::vector<double> time_of_lights, time_of_tables;  ///< of a sample or search at each point [rays]
+    std::vector<double> times;  ///< ChainSampler::Spent
 };
 
 /// The paths of pixels [begin, end) of those that are spread over the image.
 PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_edges, std::size_t begin,
                         std::size_t end) {
     PilotBlock block{.pixels = std::vector<PilotPixel>(end - begin),
-                     .time_of_lights = std::vector<double>(scene.lights().size()),
-                     .time_of_tables = std::vector<double>(chains.tables())};
+                     .times = std::vector<double>(scene.lights().size() + chains.tables())};
     ChainCounts counts;
     RayQueries rays(scene);
     const std::uint64_t paths = paths_of(scene);
@@ -57,8 +56,8 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
     double by_chains = 0;
     const auto keep_sample = [&](const PathWalk& walk, const ChainSampler::Sample& sample, std::uint64_t took) {
         block.chain_rays += took;
-        block.time_of_lights[sample.spent[0].number] += sample.spent[0].time;
-        block.time_of_tables[sample.spent[1].number] += sample.spent[1].time;
+        for (const ChainSampler::Spent& spent : sample.spent)
+            block.times[spent.number] += spent.time;
         for (const auto& found : sample.found) {
             if (!found) continue;
             const double light = double{luminance(walk.at.beta * found->light.sum())};
@@ -94,14 +93,14 @@ PilotBlock follow_paths(const Scene& scene, const ChainSampler& chains, int max_
 
 /// The sums of a pilot, of squares relative to those of the pixels' means as in the relative error of an image.
 struct Moments {
-    std::vector<double> chains;                          ///< by number of the kind
-    std::vector<double> hits;                            ///< by light
-    std::vector<double> time_of_lights, time_of_tables;  ///< of one sample, or search, at each point
-    double rest = 0, time = 0;                           ///< of all other light
+    std::vector<double> chains;  ///< by number of the kind
+    std::vector<double> hits;    ///< by light
+    std::vector<double> times;   ///< ChainSampler::Spent
+    double rest = 0, time = 0;   ///< of all other light
     std::uint64_t rays = 0;
 
     Moments(const ChainSampler& sampler, std::size_t lights, const std::vector<PilotBlock>& blocks)
-        : chains(sampler.size() + lights), hits(lights), time_of_lights(lights), time_of_tables(sampler.tables()) {
+        : chains(sampler.size() + lights), hits(lights), times(lights + sampler.tables()) {
         double mean = 0;
         for (const PilotBlock& block : blocks)
             for (const PilotPixel& pixel : block.pixels)
@@ -109,10 +108,8 @@ struct Moments {
         for (const PilotBlock& block : blocks) {
             rays += block.rays;
             time += static_cast<double>(block.rays - block.chain_rays);
-            for (std::size_t i = 0; i < lights; ++i)
-                time_of_lights[i] += block.time_of_lights[i];
-            for (std::size_t i = 0; i < time_of_tables.size(); ++i)
-                time_of_tables[i] += block.time_of_tables[i];
+            for (std::size_t i = 0; i < times.size(); ++i)
+                times[i] += block.times[i];
             for (const PilotPixel& pixel : block.pixels)
                 if (mean > 0) add(pixel, 1 / (sqr(pixel.mean / mean) + sqr(0.1)));
         }
@@ -128,6 +125,11 @@ private:
     }
 };
 
+double sum_of_roots(std::span<const double> squares) {
+    return std::accumulate(squares.begin(), squares.end(), 0.,
+                           [](double sum, double square) { return sum + std::sqrt(square); });
+}
+
 /// The light of the chains of one lamp.
 class LightOfChains {
 public:
@@ -135,10 +137,8 @@ public:
         : all_(all), light_(light), straight_(all.chains[sampler.number_of_straight(light)]) {
         for (std::size_t place = 0; place < sampler.places(); ++place) {
             const std::size_t table = light * sampler.places() + place;
-            const auto begin = all.chains.begin() + static_cast<std::ptrdiff_t>(table * sampler.kinds());
-            const double root = std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(sampler.kinds()), 0.,
-                                                [](double sum, double square) { return sum + std::sqrt(square); });
-            tables_.push_back({sqr(root), all.time_of_tables[table], 1});
+            const double root = sum_of_roots(std::span(all.chains).subspan(table * sampler.kinds(), sampler.kinds()));
+            tables_.push_back({sqr(root), all.times[all.hits.size() + table], 1});
         }
         for (int i = 0; i < 10; ++i)
             balance();
@@ -162,18 +162,17 @@ private:
         return sum;
     }
     double time() const {
-        double sum = all_.time + samples_ * all_.time_of_lights[light_];
+        double sum = all_.time + samples_ * all_.times[light_];
         for (const Table& table : tables_)
             sum += table.searches * table.time;
         return sum;
     }
-    /// Steps towards the least variance times time. At the least, each part of it has (square / number) : (time number) as
-    /// the sums have. A search needs a sample, so that tables that would be searched more often share the number of
-    /// these.
+    /// Steps towards the least variance times time, where each part's share of the variance is its share of the time. A
+    /// search needs a sample, so that tables that would be searched more often share the number of these.
     void balance() {
         const double ratio = time() / std::max(variance(), std::numeric_limits<double>::min());
         const auto best = [ratio](double square, double of_time) { return std::sqrt(square * ratio / of_time); };
-        double square = straight_, of_time = all_.time_of_lights[light_];
+        double square = straight_, of_time = all_.times[light_];
         for (const Table& table : tables_)
             if (table.square > 0 && best(table.square, table.time) > samples_) {
                 square += table.square;
@@ -192,15 +191,11 @@ private:
     std::vector<Table> tables_;
 };
 
-/// Probabilities in proportion to the roots of these squares, and, with the share guessed_share, to the guess.
-std::vector<double> mixed(std::span<const double> squares, std::span<const double> guess) {
-    std::vector<double> roots(squares.size());
-    std::transform(squares.begin(), squares.end(), roots.begin(), [](double square) { return std::sqrt(square); });
-    const double sum = std::accumulate(roots.begin(), roots.end(), 0.);
-    const double guesses = std::accumulate(guess.begin(), guess.end(), 0.);
-    for (std::size_t k = 0; k < roots.size(); ++k)
-        roots[k] = sum > 0 ? (1 - guessed_share) * roots[k] / sum + guessed_share * guess[k] / guesses : guess[k];
-    return roots;
+/// Makes weights proportional to the roots of these squares, and, with the share guessed_share, to what they were.
+void mix(std::span<double> weights, std::span<const double> squares) {
+    const double roots = sum_of_roots(squares), guesses = std::accumulate(weights.begin(), weights.end(), 0.);
+    for (std::size_t k = 0; roots > 0 && k < weights.size(); ++k)
+        weights[k] = (1 - guessed_share) * std::sqrt(squares[k]) / roots + guessed_share * weights[k] / guesses;
 }
 
 /// Adds the power that a photon brings to a surface through a chain to its kind's.
@@ -240,11 +235,11 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
     for (std::uint32_t photon = 0; photon < photons; ++photon)
         follow_photon(rays, emission, photon, chains, powers);
     ChainSampler::Weights weights = chains.first_weights();
-    for (std::size_t table = 0; table < chains.tables(); ++table) {
-        double* kinds = &weights.kinds[table * chains.kinds()];
-        const auto guess = mixed(powers[table / chains.places()], {kinds, chains.kinds()});
-        std::copy(guess.begin(), guess.end(), kinds);
-    }
+    const auto kinds_of = [n = chains.kinds()](std::size_t table, auto& values) {
+        return std::span(values).subspan(table * n, n);
+    };
+    for (std::size_t table = 0; table < chains.tables(); ++table)
+        mix(kinds_of(table, weights.kinds), powers[table / chains.places()]);
     chains.weigh(weights);
     std::vector<PilotBlock> blocks(pixels / pixels_of_block);
     parallel_blocks(pixels, pixels_of_block, [&](std::size_t begin, std::size_t end, std::size_t block) {
@@ -257,9 +252,7 @@ std::uint64_t learn_kinds(const Scene& scene, ChainSampler& chains, int max_edge
         for (std::size_t place = 0; place < chains.places(); ++place) {
             const std::size_t table = light * chains.places() + place;
             weights.searches[table] = of.searches(place);
-            double* kinds = &weights.kinds[table * chains.kinds()];
-            const auto known = mixed({&all.chains[table * chains.kinds()], chains.kinds()}, {kinds, chains.kinds()});
-            std::copy(known.begin(), known.end(), kinds);
+            mix(kinds_of(table, weights.kinds), kinds_of(table, all.chains));
         }
     }
     const double samples = std::accumulate(weights.samples.begin(), weights.samples.end(), 0.);

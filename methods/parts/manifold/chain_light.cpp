@@ -363,7 +363,7 @@ ChainSampler::Sample ChainSampler::sample(PathWalk& walk, const SurfaceHit& hit,
                              typical_trials, [&] { return search->number_of_trials(kind, *other, counts); });
     };
     if (double{u.next()} < searches_[table] && kinds_[table].total() > 0)
-        sample.spent[1] = {table, time_of_chain_ray * rays_of(seek_other) / searches};
+        sample.spent[1] = {scene_.lights().size() + table, time_of_chain_ray * rays_of(seek_other) / searches};
     counts.trials.fetch_add(search->trials(), std::memory_order_relaxed);
     counts.chains.fetch_add((sample.found[0] ? 1u : 0u) + (sample.found[1] ? 1u : 0u), std::memory_order_relaxed);
     return sample;

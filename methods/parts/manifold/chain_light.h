@@ -92,7 +92,7 @@ public:
             hits;  ///< has the mean that luminance^2 of `light` has if samples of the bsdf hit the lamp; 0: they cannot
     };
     struct Spent {
-        std::size_t number;  ///< of the light, or of the table
+        std::size_t number;  ///< of the light, or behind the lights of the table
         double time;         ///< [rays], divided by the mean number of samples or searches at a point
     };
     struct Sample {

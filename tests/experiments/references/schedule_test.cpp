@@ -16,20 +16,20 @@ TEST(ReferenceSchedule, BeginsWithAShareOfTheForeseenWork) {
     const std::vector<MethodShare> shares = {{"a", 2, {}}};
     const ReferenceGoal target{0.01, std::nullopt}, limited{0.01, 11};
     ReferenceState state{.seconds = 2, .pilot_seconds = 2, .pilot_work = 1e6, .unit_work = 1e5, .foreseen_work = 1e7};
-    EXPECT_EQ(ReferenceSchedule(target).next_passes(state, shares), 32u);
-    EXPECT_EQ(ReferenceSchedule(limited).next_passes(state, shares), 8u) << "3 s are 15 passes";
+    EXPECT_EQ(ReferenceSchedule(target).next_units(state, shares), 32u);
+    EXPECT_EQ(ReferenceSchedule(limited).next_units(state, shares), 8u) << "3 s are 15 passes";
     state.foreseen_work = 1e12;
-    EXPECT_EQ(ReferenceSchedule(target).next_passes(state, shares), 512u);
+    EXPECT_EQ(ReferenceSchedule(target).next_units(state, shares), 512u);
     state.foreseen_work = 0;
-    EXPECT_EQ(ReferenceSchedule(target).next_passes(state, shares), 1u);
+    EXPECT_EQ(ReferenceSchedule(target).next_units(state, shares), 1u);
 }
 
 TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
     const ReferenceGoal goal{0.01, std::nullopt};
     const ReferenceSchedule schedule(goal);
     const std::vector<MethodShare> shares = {{"a", 2, {}}, {"b", 0, {}}, {"c", 1, {}}};
-    const ReferenceState state{.rounds = 5, .passes = 16, .error = 0.0199, .work = 1e6, .seconds = 3};
-    EXPECT_EQ(schedule.next_passes(state, shares), 16u) << "at most as many as before";
+    const ReferenceState state{.rounds = 5, .units = 16, .error = 0.0199, .work = 1e6, .seconds = 3};
+    EXPECT_EQ(schedule.next_units(state, shares), 16u) << "at most as many as before";
     const auto batches = schedule.next_batches(state, shares);
     ASSERT_EQ(batches.size(), 2u * reference_groups) << "no batch of a method without a share";
     EXPECT_EQ(batches[1].method, 2u);
@@ -41,9 +41,9 @@ TEST(ReferenceSchedule, FollowsFromErrorAndWorkAlone) {
     EXPECT_NEAR(schedule.work_left(state, shares), 2.96e6, 1e3);
     ReferenceState long_rounds = state;
     long_rounds.work = 16 * 5e7;
-    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "1e8 rays and samples";
+    EXPECT_EQ(schedule.next_units(long_rounds, shares), 2u) << "1e8 rays and samples";
     long_rounds.work *= 100;
-    EXPECT_EQ(schedule.next_passes(long_rounds, shares), 2u) << "an eighth of what is done";
+    EXPECT_EQ(schedule.next_units(long_rounds, shares), 2u) << "an eighth of what is done";
 }
 
 }  // namespace
