@@ -259,7 +259,7 @@ TEST(ReferenceGroups, WeighRoundsByTheirSamples) {
     ReferenceGroups groups;
     groups.add_round(batches(1.f), 1);
     groups.add_round(batches(5.f), 3);
-    EXPECT_EQ(groups.passes, 4u);
+    EXPECT_EQ(groups.units, 4u);
     EXPECT_EQ(groups.rounds, 2u);
     EXPECT_FLOAT_EQ(groups.reference().total.mean.rgb[0], 4.f);
     EXPECT_FLOAT_EQ(groups.reference()[Component::direct]->mean.rgb[0], 4.f);

@@ -225,7 +225,7 @@ TEST(Accumulation, OfAReferencesRoundsKeepsItsMean) {
         even.add_round(batches_of(0.5f), 50000);
         mixed.add_round(batches_of(i % 2 == 0 ? 0.f : 1.f), 50000);
     }
-    EXPECT_EQ(even.passes, 100000000u);
+    EXPECT_EQ(even.units, 100000000u);
     const Reference reference = even.reference();
     EXPECT_EQ(reference.total.mean.rgb[0], 0.5f);
     EXPECT_EQ(reference.total.standard_error->rgb[0], 0.f);
