@@ -205,7 +205,7 @@ private:
         // Resolved when all parts of the scene are in their places:
         const Bsdf* bsdf = nullptr;          ///< null: to be made at each point, or about a frame that follows uv
         const AreaLight* emitter = nullptr;  ///< null: not a light
-        // Of shapes outside of all groups that need no uv:
+        // One of these is set if the shape is outside of all groups and needs no uv.
         const Mesh::Facet* facets = nullptr;  ///< facets of a flat mesh
         const Sphere* sphere = nullptr;
     };

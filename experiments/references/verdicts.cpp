@@ -58,9 +58,9 @@ void Verdicts::keep_pilot(const Pilot& pilot) {
         agreement_.set_pilot(m, pilot.groups_of(m));
 }
 
-void Verdicts::keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t passes) {
+void Verdicts::keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t units) {
     for (std::size_t m = 0; m < methods_.size(); ++m)
-        if (!images[m].empty()) agreement_.add(m, images[m], passes * shares[m].passes);
+        if (!images[m].empty()) agreement_.add(m, images[m], units * shares[m].passes);
 }
 
 bool Verdicts::leaves_out_lacking(std::vector<MethodShare>& shares) {

@@ -27,8 +27,8 @@ public:
     void read(const std::string& file, const std::string& state, const std::string* unresolved);
     void write(const std::string& file, const std::string& state) const { agreement_.write(file, state); }
     void keep_pilot(const Pilot& pilot);
-    /// Keeps the images of a round that had `passes` units in each group.
-    void keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t passes);
+    /// Keeps the images of a round that had so many units in each group.
+    void keep_round(const RoundImages& images, const std::vector<MethodShare>& shares, std::uint32_t units);
 
     /// If two methods disagree about a component, the one with less light is removed from it: returns true, and
     /// `shares` have changed. The reference has to begin again with new seeds, so that weights do not depend on the

@@ -109,7 +109,7 @@ private:
     JoinedPathsEstimate<NoMerging> estimate_;
 };
 
-/// What a thread needs for its states. It keeps its memory, so that steps allocate none.
+/// A thread makes its states with this. It keeps its memory, so that steps allocate none.
 struct Worker {
     StateMaker maker;
     PrimarySample sample = {};

@@ -64,6 +64,7 @@ void PrimarySample::grow() {
 
 EightFloats PrimarySample::block(std::uint64_t path_key, std::uint32_t index, const EightFloats& fresh) {
     if (2 * used_ >= table_.size()) grow();
+    // One hash of a key that is random already; combine_keys() would take two.
     const std::uint64_t key = mix64(path_key + index * 0x9e3779b97f4a7c15ull) | 1;  // not 0
     Block& block = find(key);
     if (block.state == state_) return block.numbers;

@@ -185,8 +185,8 @@ std::optional<LightSample> ChainSampler::light_at(const Chain& chain, std::uint3
 
 namespace {
 
-/// A number of trials that does not vary: twice the usual one, because the variance of the number doubles that of the
-/// light.
+/// A number of trials that does not vary: about two are usual, and the variance of the number doubles that of the light.
+/// Any number leaves the image unbiased.
 constexpr double typical_trials = 4;
 
 /// Densities over directions at x [1/sr] with which chains of q = 1 and one trial, and hits, make a path; for delta lights

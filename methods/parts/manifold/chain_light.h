@@ -51,10 +51,10 @@ public:
     /// No scene with more kinds is sampled: the kinds that matter would be found too seldom.
     static constexpr std::size_t most_kinds = 1u << 16;
 
-    /// All kinds of chains of at most `longest` vertices are equally likely. The scene must outlive this.
+    /// All lengths of at most `longest` vertices are equally likely. The scene must outlive this.
     ChainSampler(const Scene& scene, int longest);
 
-    /// Kinds given what lies ahead are numbered from 0, those of one light and one surface ahead after each other.
+    /// Kinds given what lies ahead are numbered from 0, those of one light and one place after each other.
     std::size_t size() const { return scene_.lights().size() * places() * kinds(); }
     /// Kinds of one light.
     std::size_t kinds() const { return surfaces_.size() * kinds_per_surface(); }

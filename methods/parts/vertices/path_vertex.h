@@ -27,7 +27,7 @@ struct PathVertex {
     std::optional<int> stratum;
     int edges;              ///< number of edges of the walk up to here
     bool is_first = false;  ///< of the camera's walk, the first one that can be joined
-    /// Of a light's walk: whether PathRules::first_samples() count for the technique that connects the walk's last edge.
+    /// True if PathRules::first_samples() count for the technique that connects the last edge of this light's walk.
     bool has_first_samples = true;
     TechniqueSums sums;
 
