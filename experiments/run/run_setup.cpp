@@ -3,6 +3,7 @@
 #include "common/core/number_text.h"
 #include "common/core/reject.h"
 #include "common/scene/scene.h"
+#include "experiments/metrics/reference_image.h"
 #include "experiments/system/build_info.h"
 #include "experiments/system/interrupt.h"
 #include "experiments/system/progress.h"

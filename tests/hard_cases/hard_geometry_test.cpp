@@ -5,6 +5,7 @@
 #include "common/shapes/shape.h"
 #include "tests/support/hard_cases.h"
 #include "tests/support/random.h"
+#include "tests/support/scene_fixtures.h"
 
 #include <gtest/gtest.h>
 
